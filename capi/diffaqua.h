@@ -1,0 +1,421 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * diffaqua.h — co-design of soft underwater swimmers: shape space, simulator, controller, tape, adjoint.
+ *
+ * Conventions, valid for every function below unless its comment says otherwise:
+ *  - Status. Functions return dqa_status: 0 (DQA_SUCCESS) or a negative code; nothing exits, aborts or prints.
+ *    dqa_last_error() then tells, for the calling thread, which argument was wrong, what was expected and what came.
+ *  - Arrays. `double *` (or `int32_t *` for connectivity) with an int64_t count of ELEMENTS of the array, which is
+ *    checked; C-contiguous, row-major; the shape stands in the comment. The caller owns every buffer. An output
+ *    pointer may be NULL where the comment says "NULL: not wanted".
+ *  - Handles. A child keeps its parents alive: handles may be freed in any order; free(NULL) is legal. Creators write
+ *    NULL to their output on failure.
+ *  - Options. Growable structs begin with struct_size; fill them with the matching _init function and change fields
+ *    afterwards. Older (smaller) and newer (larger, zero-tailed) structs are accepted. NULL options mean defaults.
+ *  - Threads. Distinct objects may be used concurrently. One object is used by one thread at a time, except that a
+ *    built shape space and a finished tape are read-only and may be shared.
+ *  - Units. SI: metres, seconds, kilograms, newtons, pascals. The swimmer heads along +x; y is lateral; z is up.
+ *  - All functions exist since version 0.1 unless marked otherwise.
+ */
+#ifndef DIFFAQUA_H
+#define DIFFAQUA_H
+
+#include <stdint.h>
+
+#if defined(__GNUC__) && !defined(DQA_NO_VISIBILITY)
+#define DQA_API __attribute__((visibility("default")))
+#else
+#define DQA_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DQA_VERSION_MAJOR 0
+#define DQA_VERSION_MINOR 1
+#define DQA_VERSION_PATCH 0
+#define DQA_ABI_VERSION 0
+
+/* ------------------------------------------------------------------ status */
+typedef int32_t dqa_status;
+#define DQA_SUCCESS 0
+#define DQA_ERROR_ARGUMENT (-1)    /* an argument is out of its range; the message names it */
+#define DQA_ERROR_STATE (-2)       /* the call does not fit the state of the object (double build, passed step) */
+#define DQA_ERROR_FILE (-3)        /* a file's content is not what was expected */
+#define DQA_ERROR_IO (-4)          /* a file could not be opened, read or written */
+#define DQA_ERROR_MESH (-5)        /* a mesh is open, inconsistently oriented, empty or not finite */
+#define DQA_ERROR_MEMORY (-6)      /* out of memory */
+#define DQA_ERROR_UNSUPPORTED (-7) /* this build or version cannot do it */
+#define DQA_NOT_CONVERGED (-8)     /* an iteration stopped above its tolerance; the message names step, residual, cell */
+#define DQA_DIVERGED (-9)          /* a state became non-finite; the message names the step */
+#define DQA_CANCELLED (-10)        /* a callback or cancel token asked to stop; the object is still usable */
+#define DQA_ERROR_INTERNAL (-11)   /* a defect of the library: please report it */
+
+/* Version of the loaded library as "major.minor.patch". Never NULL, static. */
+DQA_API const char *dqa_version(void);
+/* ABI generation (the SOVERSION); programs may refuse a library whose number differs from DQA_ABI_VERSION. */
+DQA_API int32_t dqa_abi_version(void);
+/* Space-separated list of what this build can do, e.g. "assimp cholmod umfpack openmp avx2 avx512". Static. */
+DQA_API const char *dqa_features(void);
+/* "DQA_ERROR_MESH" for a code, "unknown status" otherwise. Static. */
+DQA_API const char *dqa_status_name(dqa_status status);
+/* One sentence on what a code means. Static. */
+DQA_API const char *dqa_status_text(dqa_status status);
+/* Message of the last failed call on this thread; "" when none failed. Valid until the thread's next failing call. */
+DQA_API const char *dqa_last_error(void);
+
+#define DQA_LOG_ERROR 1
+#define DQA_LOG_WARNING 2
+#define DQA_LOG_INFO 3
+#define DQA_LOG_DEBUG 4
+/* Receives messages of level <= the level given to dqa_set_log_handler; may be called from any thread. */
+typedef void (*dqa_log_handler)(int32_t level, const char *message, void *user_data);
+/* Process-wide; NULL handler silences the library, which is the default. Safe from any thread. */
+DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void *user_data);
+
+/* Progress of a long call: `done` of `total` units; called on the calling thread; non-zero cancels (DQA_CANCELLED). */
+typedef int32_t (*dqa_progress)(int64_t done, int64_t total, void *user_data);
+
+/* ------------------------------------------------------------------ cancel token */
+typedef struct dqa_cancel_token dqa_cancel_token;
+DQA_API dqa_status dqa_cancel_token_create(dqa_cancel_token **token);
+/* Asks every call that watches the token to stop. Async-signal-safe; may be called from any thread. */
+DQA_API dqa_status dqa_cancel_token_set(dqa_cancel_token *token);
+DQA_API dqa_status dqa_cancel_token_reset(dqa_cancel_token *token);
+DQA_API void dqa_cancel_token_free(dqa_cancel_token *token);
+
+/* ------------------------------------------------------------------ shape space */
+/* A box of cells with base shapes, their actuators, and the Wasserstein interpolation between them
+ * (convolutional barycentre: Solomon et al. 2015). Filled, then frozen by dqa_shape_space_build. */
+typedef struct dqa_shape_space dqa_shape_space;
+
+#define DQA_PEAK_SMOOTH 0 /* M = sum p^65 / sum p^64: differentiable */
+#define DQA_PEAK_PAPER 1  /* M = max p: as the paper; its derivative is that of one cell and fails finite differences */
+
+#define DQA_UP_AUTO 0 /* the lateral axis is the one across which the mesh mirrors best; ties keep +z up */
+#define DQA_UP_Z 1    /* the mesh is used as it is: x heading, z up */
+#define DQA_UP_Y 2    /* the mesh has y up: it is turned by 90 degrees about x */
+
+typedef struct dqa_shape_space_options {
+    uint32_t struct_size;
+    uint32_t flags;          /* must be 0 */
+    int32_t dims;            /* 3; 2 gives DQA_ERROR_UNSUPPORTED in this version */
+    int32_t cells_x;         /* number of cells along x, y, z; each in [8, 512]; default 60, 16, 26 */
+    int32_t cells_y;
+    int32_t cells_z;
+    int32_t margin;          /* empty cells kept around every mesh, >= 1; default 2 */
+    int32_t up;              /* DQA_UP_*: which way the meshes added later stand */
+    int32_t subsamples;      /* rays per cell and axis for the covered fraction, in [1, 16]; default 4 */
+    int32_t peak;            /* DQA_PEAK_* */
+    int32_t max_iterations;  /* of the barycentre; default 5000 */
+    int32_t threads;         /* >= 1; results do not depend on it; default 1 */
+    double body_length;      /* m: length of the longest base; sets the cell size; default 1 */
+    double cell_size;        /* m: overrides body_length when > 0; default 0 */
+    double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.5 */
+    double tolerance;        /* marginal error (1-norm) at which the barycentre stops; default 1e-9 */
+    dqa_cancel_token *cancel; /* NULL: none */
+} dqa_shape_space_options;
+
+/* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */
+DQA_API dqa_status dqa_shape_space_options_init(dqa_shape_space_options *options, uint64_t size);
+DQA_API dqa_status dqa_shape_space_create(const dqa_shape_space_options *options, dqa_shape_space **space);
+DQA_API void dqa_shape_space_free(dqa_shape_space *space);
+
+/* Adds a base from a closed triangle mesh. vertices [n_vertices][3], any unit; triangles [n_triangles][3].
+ * The mesh is scaled uniformly to fit the box with its margin and centred by its centre of mass.
+ * n_vertices and n_triangles count rows. *base receives the index of the base (NULL: not wanted). */
+DQA_API dqa_status dqa_shape_space_add_mesh(dqa_shape_space *space, const char *name, const double *vertices,
+                                            int64_t n_vertices, const int32_t *triangles, int64_t n_triangles,
+                                            int32_t *base);
+/* The same from an STL (binary or ASCII), OBJ or PLY file; the base is named after the file. */
+DQA_API dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space *space, const char *path, int32_t *base);
+/* Adds a base from covered fractions in [0, 1], shape [cells_x][cells_y][cells_z]; n = product of the three. */
+DQA_API dqa_status dqa_shape_space_add_density(dqa_shape_space *space, const char *name, const double *cells, int64_t n,
+                                               int32_t *base);
+
+#define DQA_ACTUATOR_CAUDAL 0 /* antagonistic pair split at the plane y = 0, fibres along x */
+
+/* A muscle region as a Gaussian: the box around the half-peak ellipsoid, with semi-axes sqrt(2 ln 2 * variance). */
+typedef struct dqa_actuator_options {
+    uint32_t struct_size;
+    uint32_t flags;      /* must be 0 */
+    int32_t category;    /* DQA_ACTUATOR_* */
+    int32_t padding;     /* must be 0 */
+    double mean[3];      /* m, in the box's frame (origin at the box's centre) */
+    double variance[3];  /* m^2, > 0: eigenvalues of the covariance along the actuator's own axes */
+    double euler[3];     /* rad: Sigma = R^T diag(variance) R with R = Rx(e0) Ry(e1) Rz(e2) */
+} dqa_actuator_options;
+DQA_API dqa_status dqa_actuator_options_init(dqa_actuator_options *options, uint64_t size);
+/* Gives base `base` an actuator; at most one of each category. Lengths need the cell size: set
+ * options.cell_size > 0 at creation to use this function. Bases without any actuator get a caudal one placed from
+ * their geometry at build. */
+DQA_API dqa_status dqa_shape_space_add_actuator(dqa_shape_space *space, int32_t base,
+                                                const dqa_actuator_options *options);
+/* Reads the actuator of a base (after build: also the automatic one). DQA_ERROR_STATE if it has none. */
+DQA_API dqa_status dqa_shape_space_get_actuator(const dqa_shape_space *space, int32_t base, int32_t category,
+                                                dqa_actuator_options *options);
+/* Freezes the space: base densities, cell size, automatic actuators, sensor axis. */
+DQA_API dqa_status dqa_shape_space_build(dqa_shape_space *space, dqa_progress progress, void *user_data);
+
+typedef struct dqa_shape_space_info {
+    uint32_t struct_size;
+    int32_t dims;
+    int32_t cells_x;
+    int32_t cells_y;
+    int32_t cells_z;
+    int32_t n_bases;
+    int32_t n_signals;  /* actuation signals that a simulator of this space takes per step; 0 before build */
+    int32_t is_built;   /* 0 or 1 */
+    int64_t n_cells;    /* cells_x * cells_y * cells_z */
+    double cell_size;   /* m; 0 before build when it is automatic */
+} dqa_shape_space_info;
+/* `size` is sizeof(dqa_shape_space_info) as the caller compiled it. */
+DQA_API dqa_status dqa_shape_space_get_info(const dqa_shape_space *space, dqa_shape_space_info *info, uint64_t size);
+/* Name of a base, or "" when there is no such base. Valid as long as the space. */
+DQA_API const char *dqa_shape_space_base_name(const dqa_shape_space *space, int32_t base);
+/* Covered fractions of a base, shape [cells_x][cells_y][cells_z]. */
+DQA_API dqa_status dqa_shape_space_get_base(const dqa_shape_space *space, int32_t base, double *cells, int64_t n);
+/* Density of the barycentre divided by its peak, shape [cells_x][cells_y][cells_z]; the body is where it exceeds 1/2.
+ * weights [n_bases] on the simplex (>= 0, sum 1 within 1e-9). */
+DQA_API dqa_status dqa_shape_space_density(const dqa_shape_space *space, const double *weights, int64_t m,
+                                           double *density, int64_t n);
+/* Pullback of dqa_shape_space_density by implicit differentiation: weights_bar [n_bases] is the mean-free gradient. */
+DQA_API dqa_status dqa_shape_space_pullback(const dqa_shape_space *space, const double *weights, int64_t m,
+                                            const double *density_bar, int64_t n, double *weights_bar);
+/* Writes a built space (atomically: a temporary file, then rename) and reads it back with the same bits. */
+DQA_API dqa_status dqa_shape_space_save(const dqa_shape_space *space, const char *path);
+DQA_API dqa_status dqa_shape_space_load(const char *path, dqa_shape_space **space);
+
+/* ------------------------------------------------------------------ simulator */
+/* One scene: a shape space, material, water, time step, solver; the current design (weights) and state (q, v). */
+typedef struct dqa_simulator dqa_simulator;
+typedef struct dqa_controller dqa_controller;
+typedef struct dqa_tape dqa_tape;
+typedef struct dqa_adjoint dqa_adjoint;
+
+#define DQA_METHOD_NEWTON_PCG 0    /* Newton, conjugate gradients preconditioned by the projective-dynamics factor */
+#define DQA_METHOD_NEWTON_DIRECT 1 /* Newton with a sparse factorisation of the exact Hessian: the oracle */
+
+#define DQA_WATER_NONE 0
+#define DQA_WATER_IMPLICIT 1 /* lagged coefficients in a convex dissipation of the new velocity */
+
+typedef struct dqa_simulator_options {
+    uint32_t struct_size;
+    uint32_t flags;              /* must be 0 */
+    int32_t threads;             /* >= 1; the bits of every result are the same for any number; default 1 */
+    int32_t method;              /* DQA_METHOD_* */
+    int32_t water;               /* DQA_WATER_* */
+    int32_t max_newton;          /* Newton iterations per step; default 50 */
+    int32_t max_linear;          /* conjugate-gradient iterations per linear solve; default 2000 */
+    int32_t instruction_set;     /* 0 automatic (default), 1 baseline, 2 AVX2, 3 AVX-512: speed only */
+    double time_step;            /* s, > 0; default 1/30 */
+    double young_modulus;        /* Pa, > 0: of the solid; cells scale it by their occupancy; default 5e6 */
+    double poisson_ratio;        /* in [0, 0.5); default 0.45 (only mu = E / (2 (1 + nu)) enters, as in the paper) */
+    double density;              /* kg/m^3, > 0; default 1000 */
+    double muscle_stiffness;     /* Pa, >= 0; default 2e6 */
+    double contraction;          /* c in (0, 1): a signal u commands the rest ratios 1 - c u and 1 + c u; default 0.2 */
+    double threshold;            /* tau in [0, 0.5): cells whose density exceeds it are simulated; default 0.02 */
+    double occupancy_floor;      /* least occupancy of a simulated cell, in (0, 0.1]; default 1e-6 */
+    double tolerance;            /* force residual relative to the forces at which a step stops; default 1e-6 */
+    double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-8 */
+    double water_density;        /* kg/m^3, > 0; default 1000 */
+    double current[3];           /* m/s: velocity of the water; default 0 */
+    double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2); >= 0 */
+    double thrust_coefficients[4]; /* cubic Bezier ordinates of Ct over Phi/pi + 1/2; monotone */
+    double speed_smoothing;      /* m/s, > 0: |v| becomes sqrt(v^2 + eps^2); default 1e-2 */
+    double angle_smoothing;      /* rad, in (0, 0.5]: rounds the cone of Cd and Ct at head-on flow; default 0.02 */
+    double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
+    dqa_cancel_token *cancel;    /* NULL: none */
+} dqa_simulator_options;
+
+DQA_API dqa_status dqa_simulator_options_init(dqa_simulator_options *options, uint64_t size);
+/* The space must be built. The new simulator has no design yet: call dqa_simulator_set_weights. */
+DQA_API dqa_status dqa_simulator_create(dqa_shape_space *space, const dqa_simulator_options *options,
+                                        dqa_simulator **simulator);
+DQA_API void dqa_simulator_free(dqa_simulator *simulator);
+/* New design: density, active cells, muscles, factor; resets the state to rest at the origin and the clock to 0.
+ * weights [n_bases] on the simplex (>= 0, sum 1 within 1e-9). On failure the old design stays. */
+DQA_API dqa_status dqa_simulator_set_weights(dqa_simulator *simulator, const double *weights, int64_t m,
+                                             dqa_progress progress, void *user_data);
+
+typedef struct dqa_simulator_info {
+    uint32_t struct_size;
+    int32_t dims;
+    int32_t n_bases;
+    int32_t n_signals;
+    int32_t n_sensors;          /* length of the sensor vector of dqa_simulator_sensors */
+    int32_t has_design;         /* 0 or 1 */
+    int64_t n_nodes;            /* of the active cells; state arrays have n_nodes * dims elements */
+    int64_t n_active_cells;
+    int64_t n_body_cells;       /* cells whose density exceeds 1/2 */
+    int64_t n_faces;            /* faces of the diffuse surface */
+    int64_t n_muscle_cells;
+    int64_t factor_entries;     /* of the preconditioner's Cholesky factor */
+    int64_t steps;              /* taken since the design was set or the state was last set */
+    int64_t newton_iterations;  /* totals since the design was set */
+    int64_t linear_iterations;
+    int64_t adjoint_iterations;
+    double time;                /* s: steps * time_step */
+    double total_mass;          /* kg */
+    double volume;              /* m^3: sum of occupancy times cell volume */
+    double cell_size;           /* m */
+    double last_residual;       /* relative force residual of the last step */
+    double setup_seconds;       /* wall time of the last dqa_simulator_set_weights, barycentre included */
+    double barycenter_seconds;  /* its barycentre alone */
+} dqa_simulator_info;
+DQA_API dqa_status dqa_simulator_get_info(const dqa_simulator *simulator, dqa_simulator_info *info, uint64_t size);
+/* Current weights [n_bases]. */
+DQA_API dqa_status dqa_simulator_get_weights(const dqa_simulator *simulator, double *weights, int64_t m);
+/* One implicit Euler step with actuation [n_signals], each in [-1, 1]; appended to `tape` (NULL: not recorded).
+ * On failure the state is that before the call. */
+DQA_API dqa_status dqa_simulator_step(dqa_simulator *simulator, const double *actuation, int64_t n, dqa_tape *tape);
+/* n_steps steps driven by a controller; appended to `tape` (NULL: not recorded). On failure or cancellation the state
+ * is that after the last complete step, and the tape holds the complete steps. */
+DQA_API dqa_status dqa_simulator_rollout(dqa_simulator *simulator, dqa_controller *controller, int64_t n_steps,
+                                         dqa_tape *tape, dqa_progress progress, void *user_data);
+/* Positions q and velocities v, each [n_nodes][dims] (m, m/s). NULL: not wanted. */
+DQA_API dqa_status dqa_simulator_get_state(const dqa_simulator *simulator, double *q, int64_t nq, double *v,
+                                           int64_t nv);
+/* Sets the state and the clock to step 0. NULL q: rest positions; NULL v: zero. */
+DQA_API dqa_status dqa_simulator_set_state(dqa_simulator *simulator, const double *q, int64_t nq, const double *v,
+                                           int64_t nv);
+/* Sensor vector [n_sensors]: positions of head, centre and tail (3 x dims), then their velocities (3 x dims). */
+DQA_API dqa_status dqa_simulator_sensors(const dqa_simulator *simulator, double *sensors, int64_t n);
+/* Hydrodynamic totals of the last step, [4][dims]: drag force, thrust force (N, on the swimmer), then their means
+ * weighted by face area (N/m^2 of wet surface). Zero before the first step. */
+DQA_API dqa_status dqa_simulator_forces(const dqa_simulator *simulator, double *forces, int64_t n);
+/* Isosurface of density at half its peak, a closed triangle mesh carried by the current state. Call with NULL buffers
+ * to learn the counts: n_vertices and n_triangles receive them (rows; either may be NULL). vertices [n_vertices][3],
+ * triangles [n_triangles][3]; nv and nt count elements of the buffers. */
+DQA_API dqa_status dqa_simulator_surface(const dqa_simulator *simulator, double *vertices, int64_t nv,
+                                         int32_t *triangles, int64_t nt, int64_t *n_vertices, int64_t *n_triangles);
+/* The simulated cells: nodes of each [n_active_cells][8] (corner = 4 ix + 2 iy + iz), index of each in the box
+ * [n_active_cells], occupancy of each [n_active_cells]. NULL: not wanted. */
+DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *cell_nodes, int64_t n_cell_nodes,
+                                      int32_t *cell_box_index, int64_t n_cells, double *occupancy,
+                                      int64_t n_occupancy);
+
+/* ------------------------------------------------------------------ controller */
+/* a sin(omega t + phi) per signal; parameters theta [n_signals][3] = (a in [0, 1], omega in rad/s, phi in rad);
+ * t is the time at the start of a step. Initially a = 1, omega = pi / (6 time_step), phi = 0. */
+DQA_API dqa_status dqa_controller_create_sinusoid(int32_t n_signals, double time_step, dqa_controller **controller);
+DQA_API void dqa_controller_free(dqa_controller *controller);
+DQA_API dqa_status dqa_controller_n_parameters(const dqa_controller *controller, int64_t *n);
+DQA_API dqa_status dqa_controller_get_parameters(const dqa_controller *controller, double *theta, int64_t n);
+DQA_API dqa_status dqa_controller_set_parameters(dqa_controller *controller, const double *theta, int64_t n);
+/* Actuation [n_signals] at a step index (>= 0), e.g. for the caller's own loop over dqa_simulator_step. */
+DQA_API dqa_status dqa_controller_evaluate(const dqa_controller *controller, int64_t step, double *actuation,
+                                           int64_t n);
+
+/* ------------------------------------------------------------------ tape */
+/* The record of one rollout: design, controller parameters, states, actuations. */
+typedef struct dqa_tape_options {
+    uint32_t struct_size;
+    uint32_t flags;          /* must be 0 */
+    int64_t memory_bytes;    /* budget for recorded states; 0: unlimited (default). Exceeding it is DQA_ERROR_MEMORY */
+} dqa_tape_options;
+DQA_API dqa_status dqa_tape_options_init(dqa_tape_options *options, uint64_t size);
+/* An empty tape for the simulator's rollouts; the first recorded step fixes design and initial state. */
+DQA_API dqa_status dqa_tape_create(dqa_simulator *simulator, const dqa_tape_options *options, dqa_tape **tape);
+DQA_API void dqa_tape_free(dqa_tape *tape);
+/* Empties the tape for another rollout. DQA_ERROR_STATE while an adjoint of it lives. */
+DQA_API dqa_status dqa_tape_clear(dqa_tape *tape);
+DQA_API dqa_status dqa_tape_n_steps(const dqa_tape *tape, int64_t *n_steps);
+/* State after `step` steps, step in [0, n_steps]; q, v [n_nodes][dims]. NULL: not wanted. */
+DQA_API dqa_status dqa_tape_get_state(dqa_tape *tape, int64_t step, double *q, int64_t nq, double *v, int64_t nv);
+/* Actuation [n_signals] used in step `step`, in [0, n_steps). */
+DQA_API dqa_status dqa_tape_get_actuation(dqa_tape *tape, int64_t step, double *actuation, int64_t n);
+/* Vertices of the isosurface [n_vertices][3] carried by the state after `step` steps; triangles as in
+ * dqa_simulator_surface for the same design. */
+DQA_API dqa_status dqa_tape_get_surface(dqa_tape *tape, int64_t step, double *vertices, int64_t nv);
+
+typedef struct dqa_tape_statistics {
+    uint32_t struct_size;
+    int32_t padding;
+    int64_t steps;
+    int64_t bytes;               /* held by recorded states and actuations */
+    int64_t newton_iterations;   /* of the recorded steps */
+    int64_t linear_iterations;
+    int64_t adjoint_iterations;  /* of all backward sweeps so far */
+    double worst_residual;       /* largest relative force residual of the recorded steps */
+    double worst_adjoint_residual;
+} dqa_tape_statistics;
+DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);
+
+#define DQA_OBJECTIVE_TRAVEL 0 /* -(mean over the spine of x_N - x_0), weighted by rest occupancy (m) */
+
+typedef struct dqa_objective_term {
+    uint32_t struct_size;
+    int32_t kind;    /* DQA_OBJECTIVE_* */
+    double weight;   /* the loss is the weighted sum of the terms */
+} dqa_objective_term;
+DQA_API dqa_status dqa_objective_term_init(dqa_objective_term *term, uint64_t size);
+/* Loss of the recorded rollout, and each unweighted term [n_terms] (NULL: not wanted). */
+DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *terms, int64_t n_terms, double *loss,
+                                      double *per_term);
+
+/* ------------------------------------------------------------------ adjoint */
+#define DQA_SEED_POSITION 0 /* dL/dq of the state after a step */
+#define DQA_SEED_VELOCITY 1 /* dL/dv of the state after a step */
+
+#define DQA_WRT_WEIGHTS 0          /* [n_bases], mean-free */
+#define DQA_WRT_CONTROL 1          /* [n_parameters] of the controller of the rollout */
+#define DQA_WRT_ACTUATION 2        /* [n_steps][n_signals] */
+#define DQA_WRT_INITIAL_POSITION 3 /* [n_nodes][dims] */
+#define DQA_WRT_INITIAL_VELOCITY 4 /* [n_nodes][dims] */
+
+/* A cursor over a finished tape, standing after its last step. */
+DQA_API dqa_status dqa_adjoint_create(dqa_tape *tape, dqa_adjoint **adjoint);
+DQA_API void dqa_adjoint_free(dqa_adjoint *adjoint);
+/* Adds `bar` [n_nodes][dims] to the seed of a quantity of the state after `step` steps. DQA_ERROR_STATE if the sweep
+ * has passed that step. */
+DQA_API dqa_status dqa_adjoint_seed(dqa_adjoint *adjoint, int64_t step, int32_t quantity, const double *bar, int64_t n);
+/* Adds the seeds of an objective, its dependence on the design included. Only before the sweep has begun. */
+DQA_API dqa_status dqa_adjoint_seed_objective(dqa_adjoint *adjoint, const dqa_objective_term *terms, int64_t n_terms);
+/* Runs the sweep back to the state after `to_step` steps (0: all the way); resumable after cancellation. */
+DQA_API dqa_status dqa_adjoint_backward(dqa_adjoint *adjoint, int64_t to_step, dqa_progress progress, void *user_data);
+/* Reads a gradient. WEIGHTS, CONTROL, INITIAL_* need the sweep to have reached step 0. */
+DQA_API dqa_status dqa_adjoint_get(dqa_adjoint *adjoint, int32_t with_respect_to, double *out, int64_t n);
+
+/* ------------------------------------------------------------------ proof of the gradient */
+typedef struct dqa_gradient_check_options {
+    uint32_t struct_size;
+    uint32_t flags;            /* must be 0 */
+    int32_t with_respect_to;   /* DQA_WRT_* */
+    int32_t n_steps;           /* length of the rollout; default 10 */
+    uint64_t seed;             /* of the random direction; default 1 */
+    double step;               /* largest finite-difference step relative to the quantity's scale; 0: automatic */
+} dqa_gradient_check_options;
+DQA_API dqa_status dqa_gradient_check_options_init(dqa_gradient_check_options *options, uint64_t size);
+
+typedef struct dqa_gradient_check_report {
+    uint32_t struct_size;
+    int32_t one_sided;          /* 1 when the weights stand at the simplex's edge and differences were one-sided */
+    double adjoint;             /* directional derivative by the adjoint */
+    double finite_difference;   /* the same by the best step of the five-point ladder */
+    double relative_error;      /* |adjoint - finite_difference| / |finite_difference| */
+    double taylor_slope;        /* of |L(x + e d) - L(x) - e dL.d| over e: 2 for a correct gradient */
+    double gradient_norm;       /* 2-norm of the gradient */
+    double step;                /* the step of the best difference */
+} dqa_gradient_check_report;
+/* Proves (or refutes) the gradient of the objective of a rollout from the simulator's current state by finite
+ * differences along one random direction. Runs with its own tight tolerances on a copy; the simulator is unchanged.
+ * `controller` may be NULL (then actuations alternate smoothly with amplitude 1/2). */
+DQA_API dqa_status dqa_check_gradient(const dqa_simulator *simulator, const dqa_controller *controller,
+                                      const dqa_objective_term *terms, int64_t n_terms,
+                                      const dqa_gradient_check_options *options, dqa_gradient_check_report *report,
+                                      uint64_t report_size);
+
+/* ------------------------------------------------------------------ stateless helpers for optimisers */
+/* One Adam step (Kingma & Ba 2015; beta1 0.9, beta2 0.999, eps 1e-8). x, gradient, rates, first_moment,
+ * second_moment: [n]; iteration counts from 1; x and the moments are updated in place. */
+DQA_API dqa_status dqa_adam_step(double *x, const double *gradient, const double *rates, double *first_moment,
+                                 double *second_moment, int64_t n, int64_t iteration);
+/* Euclidean projection of x [n] onto the simplex, in place (Held, Wolfe & Crowder 1974). */
+DQA_API dqa_status dqa_project_simplex(double *x, int64_t n);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* DIFFAQUA_H */
