@@ -216,7 +216,7 @@ typedef struct dqa_simulator_options {
     double muscle_stiffness;     /* Pa, >= 0; default 2e6 */
     double contraction;          /* c in (0, 1): a signal u commands the rest ratios 1 - c u and 1 + c u; default 0.2 */
     double threshold;            /* tau in [0, 0.5): cells whose density exceeds it are simulated; default 0.02 */
-    double occupancy_floor;      /* least occupancy of a simulated cell, in (0, 0.1]; default 1e-6 */
+    double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
     double tolerance;            /* force residual relative to the forces at which a step stops; default 1e-6 */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-8 */
     double water_density;        /* kg/m^3, > 0; default 1000 */

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// The simulator's handle.
+#include <chrono>
+#include <cinttypes>
+
+#include "internal.hpp"
+
+using namespace dqa::capi;
+using dqa::fail;
+using dqa::Status;
+
+namespace {
+
+dqa_simulator_options default_options() {
+    const dqa::SceneSettings s;
+    dqa_simulator_options o{};
+    o.struct_size = sizeof o;
+    o.threads = s.threads;
+    o.method = DQA_METHOD_NEWTON_PCG;
+    o.water = DQA_WATER_IMPLICIT;
+    o.max_newton = s.max_newton, o.max_linear = s.max_linear;
+    o.time_step = s.time_step;
+    o.young_modulus = s.young_modulus, o.poisson_ratio = s.poisson_ratio, o.density = s.density;
+    o.muscle_stiffness = s.muscle_stiffness, o.contraction = s.contraction;
+    o.threshold = s.threshold, o.occupancy_floor = s.occupancy_floor;
+    o.tolerance = s.tolerance, o.adjoint_tolerance = s.adjoint_tolerance;
+    o.water_density = s.hydrodynamics.density;
+    for (std::size_t k = 0; k < 4; ++k) {
+        o.drag_coefficients[k] = s.hydrodynamics.drag[k];
+        o.thrust_coefficients[k] = s.hydrodynamics.thrust[k];
+    }
+    o.speed_smoothing = s.hydrodynamics.speed_smoothing;
+    o.angle_smoothing = s.hydrodynamics.angle_smoothing;
+    o.surface_smoothing = s.hydrodynamics.surface_smoothing;
+    return o;
+}
+
+dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
+    require_range(o.flags, o.flags == 0, "flags", "0");
+    require_range(o.threads, o.threads >= 1 && o.threads <= 1024, "threads", "a number in [1, 1024]");
+    require_range(o.method, o.method == DQA_METHOD_NEWTON_PCG || o.method == DQA_METHOD_NEWTON_DIRECT, "method",
+                  "DQA_METHOD_NEWTON_PCG or DQA_METHOD_NEWTON_DIRECT");
+    require_range(o.water, o.water == DQA_WATER_NONE || o.water == DQA_WATER_IMPLICIT, "water",
+                  "DQA_WATER_NONE or DQA_WATER_IMPLICIT");
+    require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
+    require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
+    require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set", "a number in [0, 3]");
+    require_range(o.time_step, o.time_step > 0, "time_step", "a time > 0 (s)");
+    require_range(o.young_modulus, o.young_modulus > 0, "young_modulus", "a modulus > 0 (Pa)");
+    require_range(o.poisson_ratio, o.poisson_ratio >= 0 && o.poisson_ratio < 0.5, "poisson_ratio", "a number in [0, 0.5)");
+    require_range(o.density, o.density > 0, "density", "a density > 0 (kg/m^3)");
+    require_range(o.muscle_stiffness, o.muscle_stiffness >= 0, "muscle_stiffness", "a modulus >= 0 (Pa)");
+    require_range(o.contraction, o.contraction > 0 && o.contraction < 1, "contraction", "a number in (0, 1)");
+    require_range(o.threshold, o.threshold >= 0 && o.threshold < 0.5, "threshold", "a number in [0, 0.5)");
+    require_range(o.occupancy_floor, o.occupancy_floor >= 1e-12 && o.occupancy_floor <= 0.1, "occupancy_floor",
+                  "a number in [1e-12, 0.1]");
+    require_range(o.tolerance, o.tolerance > 0 && o.tolerance < 1, "tolerance", "a number in (0, 1)");
+    require_range(o.adjoint_tolerance, o.adjoint_tolerance > 0 && o.adjoint_tolerance < 1, "adjoint_tolerance", "a number in (0, 1)");
+    require_range(o.water_density, o.water_density > 0, "water_density", "a density > 0 (kg/m^3)");
+    require_range(o.speed_smoothing, o.speed_smoothing > 0, "speed_smoothing", "a speed > 0 (m/s)");
+    require_range(o.angle_smoothing, o.angle_smoothing > 0 && o.angle_smoothing <= 0.5, "angle_smoothing", "an angle in (0, 0.5] rad");
+    require_range(o.surface_smoothing, o.surface_smoothing > 0, "surface_smoothing", "a number > 0");
+    dqa::SceneSettings s;
+    for (std::size_t k = 0; k < 3; ++k) {
+        require_range(o.current[k], true, "current", "finite velocities (m/s)");
+        s.hydrodynamics.current[k] = o.current[k];
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+        require_range(o.drag_coefficients[k], o.drag_coefficients[k] >= 0, "drag_coefficients", "numbers >= 0");
+        require_range(o.thrust_coefficients[k], k == 0 || o.thrust_coefficients[k] >= o.thrust_coefficients[k - 1],
+                      "thrust_coefficients", "numbers that do not decrease (a monotone curve)");
+        s.hydrodynamics.drag[k] = o.drag_coefficients[k];
+        s.hydrodynamics.thrust[k] = o.thrust_coefficients[k];
+    }
+    s.threads = o.threads;
+    s.method = static_cast<dqa::Method>(o.method);
+    s.water = o.water == DQA_WATER_IMPLICIT;
+    s.max_newton = o.max_newton, s.max_linear = o.max_linear;
+    s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
+    s.time_step = o.time_step;
+    s.young_modulus = o.young_modulus, s.poisson_ratio = o.poisson_ratio, s.density = o.density;
+    s.muscle_stiffness = o.muscle_stiffness, s.contraction = o.contraction;
+    s.threshold = o.threshold, s.occupancy_floor = o.occupancy_floor;
+    s.tolerance = o.tolerance, s.adjoint_tolerance = o.adjoint_tolerance;
+    s.hydrodynamics.density = o.water_density;
+    s.hydrodynamics.speed_smoothing = o.speed_smoothing;
+    s.hydrodynamics.angle_smoothing = o.angle_smoothing;
+    s.hydrodynamics.surface_smoothing = o.surface_smoothing;
+    if (o.cancel) s.cancel = o.cancel->flag;
+    return s;
+}
+
+// The tape must belong to this simulator and end where the simulator stands.
+void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
+    if (!tape) return;
+    if (tape->state->simulator != simulator->identity)
+        fail(Status::ERROR_ARGUMENT, "tape belongs to another simulator, expected one created with this simulator");
+    if (tape->state->adjoints > 0)
+        fail(Status::ERROR_STATE, "tape: an adjoint of it lives; free it before recording more");
+    if (!tape->state->tape->continues(*simulator->simulation))
+        fail(Status::ERROR_STATE, "tape does not end at the simulator's present state (design, state or clock changed); clear it first");
+}
+
+void count(dqa_simulator* simulator, const dqa::StepReport& report) {
+    simulator->newton_iterations += report.newton_iterations;
+    simulator->linear_iterations += report.linear_iterations;
+    simulator->last_residual = report.residual;
+}
+
+}  // namespace
+
+namespace dqa::capi {
+
+const Simulation& design_of(const dqa_simulator* simulator) {
+    require(simulator, "simulator");
+    if (!simulator->simulation)
+        fail(Status::ERROR_STATE, "the simulator has no design yet; call dqa_simulator_set_weights first");
+    return *simulator->simulation;
+}
+
+}  // namespace dqa::capi
+
+extern "C" {
+
+dqa_status dqa_simulator_options_init(dqa_simulator_options* options, uint64_t size) {
+    return guard([&] { init_options(options, size, default_options(), "options"); });
+}
+
+dqa_status dqa_simulator_create(dqa_shape_space* space, const dqa_simulator_options* options,
+                                dqa_simulator** simulator) {
+    return guard([&] {
+        begin_create(simulator, "simulator");
+        require(space, "space");
+        if (!space->core->built()) fail(Status::ERROR_STATE, "space is not built; call dqa_shape_space_build first");
+        auto made = std::make_unique<dqa_simulator>();
+        made->scene = settings_from(read_options(options, default_options(), "options"));
+        made->space = space->core;
+        *simulator = made.release();
+    });
+}
+
+void dqa_simulator_free(dqa_simulator* simulator) { delete simulator; }
+
+dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* weights, int64_t m, dqa_progress progress,
+                                     void* user_data) {
+    return guard([&] {
+        require(simulator, "simulator");
+        const auto w = read_weights(*simulator->space, weights, m);
+        const auto start = std::chrono::steady_clock::now();
+        auto design = std::make_shared<const dqa::Design>(
+            simulator->space, w, simulator->scene,
+            shape_monitor(progress, user_data, simulator->space->settings().tolerance, simulator->scene.cancel));
+        auto simulation = std::make_unique<dqa::Simulation>(design);
+        if (progress && progress(100, 100, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
+        simulator->simulation = std::move(simulation);
+        simulator->newton_iterations = simulator->linear_iterations = 0;
+        simulator->adjoint_iterations->store(0);
+        simulator->last_residual = 0.0;
+        simulator->setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+}
+
+dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_info* info, uint64_t size) {
+    return guard([&] {
+        require(simulator, "simulator");
+        dqa_simulator_info i{};
+        i.dims = 3;
+        i.n_bases = static_cast<int32_t>(simulator->space->bases().size());
+        i.n_signals = static_cast<int32_t>(simulator->space->categories().size());
+        i.n_sensors = 18;
+        i.cell_size = simulator->space->box().dx;
+        if (simulator->simulation) {
+            const dqa::Design& d = simulator->simulation->design();
+            i.has_design = 1;
+            i.n_nodes = d.n_nodes(), i.n_active_cells = d.set().n_cells(), i.n_body_cells = d.n_body_cells();
+            i.n_faces = d.water() ? d.water()->n_faces() : 0;
+            i.n_muscle_cells = d.n_muscle_cells();
+            i.factor_entries = d.factor().entries();
+            i.steps = simulator->simulation->steps();
+            i.newton_iterations = simulator->newton_iterations;
+            i.linear_iterations = simulator->linear_iterations;
+            i.adjoint_iterations = simulator->adjoint_iterations->load();
+            i.time = simulator->simulation->time();
+            for (const double mass : d.mass()) i.total_mass += mass;
+            i.volume = i.total_mass / d.scene().density;
+            i.last_residual = simulator->last_residual;
+            i.setup_seconds = simulator->setup_seconds;
+            i.barycenter_seconds = d.barycenter_seconds();
+        }
+        write_struct(info, size, i, "info");
+    });
+}
+
+dqa_status dqa_simulator_get_weights(const dqa_simulator* simulator, double* weights, int64_t m) {
+    return guard([&] {
+        const auto& w = design_of(simulator).design().point().barycenter.weights;
+        require(weights, "weights");
+        copy_out(w.data(), w.size(), weights, m, "m", "weights [n_bases]");
+    });
+}
+
+dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation, int64_t n, dqa_tape* tape) {
+    return guard([&] {
+        const dqa::Design& design = design_of(simulator).design();
+        require(actuation, "actuation");
+        require_count(n, design.n_signals(), "n", "actuation [n_signals]");
+        for (int64_t k = 0; k < n; ++k)
+            if (!(actuation[k] >= -1.0 && actuation[k] <= 1.0))
+                fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %g, expected a number in [-1, 1]", k, actuation[k]);
+        require_tape(simulator, tape);
+        if (tape && tape->state->tape->controller())
+            fail(Status::ERROR_STATE, "tape was driven by a controller so far; clear it before single steps");
+        check_cancel(simulator->scene.cancel);
+        count(simulator, dqa::advance(*simulator->simulation, std::vector<double>(actuation, actuation + n),
+                                      tape ? tape->state->tape.get() : nullptr));
+    });
+}
+
+dqa_status dqa_simulator_rollout(dqa_simulator* simulator, dqa_controller* controller, int64_t n_steps, dqa_tape* tape,
+                                 dqa_progress progress, void* user_data) {
+    return guard([&] {
+        const dqa::Design& design = design_of(simulator).design();
+        require(controller, "controller");
+        if (controller->core->n_signals() != design.n_signals())
+            fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d: one per actuator category",
+                 controller->core->n_signals(), design.n_signals());
+        if (n_steps < 0 || n_steps > INT32_MAX)
+            fail(Status::ERROR_ARGUMENT, "n_steps is %" PRId64 ", expected a number in [0, 2^31)", n_steps);
+        require_tape(simulator, tape);
+        dqa::Tape* record = tape ? tape->state->tape.get() : nullptr;
+        if (n_steps > 0 && record) record->set_controller(*controller->core);
+        std::vector<double> actuation(static_cast<std::size_t>(design.n_signals()));
+        for (int64_t k = 0; k < n_steps; ++k) {
+            check_cancel(simulator->scene.cancel);
+            controller->core->evaluate(simulator->simulation->steps(), actuation.data());
+            count(simulator, dqa::advance(*simulator->simulation, actuation, record));
+            if (progress && progress(k + 1, n_steps, user_data))
+                fail(Status::CANCELLED, "cancelled by the progress callback after %" PRId64 " steps", k + 1);
+        }
+    });
+}
+
+dqa_status dqa_simulator_get_state(const dqa_simulator* simulator, double* q, int64_t nq, double* v, int64_t nv) {
+    return guard([&] {
+        const dqa::Simulation& s = design_of(simulator);
+        if (q) require_count(nq, static_cast<int64_t>(s.q().size()), "nq", "q [n_nodes][dims]");
+        if (v) require_count(nv, static_cast<int64_t>(s.v().size()), "nv", "v [n_nodes][dims]");
+        copy_out(s.q().data(), s.q().size(), q, nq, "nq", "q [n_nodes][dims]");
+        copy_out(s.v().data(), s.v().size(), v, nv, "nv", "v [n_nodes][dims]");
+    });
+}
+
+dqa_status dqa_simulator_set_state(dqa_simulator* simulator, const double* q, int64_t nq, const double* v, int64_t nv) {
+    return guard([&] {
+        const int64_t n = static_cast<int64_t>(design_of(simulator).q().size());
+        if (q) require_count(nq, n, "nq", "q [n_nodes][dims]"), require_finite(q, nq, "q");
+        if (v) require_count(nv, n, "nv", "v [n_nodes][dims]"), require_finite(v, nv, "v");
+        simulator->simulation->set_state(q, v);
+    });
+}
+
+dqa_status dqa_simulator_sensors(const dqa_simulator* simulator, double* sensors, int64_t n) {
+    return guard([&] {
+        const dqa::Simulation& s = design_of(simulator);
+        require(sensors, "sensors");
+        require_count(n, 18, "n", "sensors [2][3][dims]");
+        for (int k = 0; k < 3; ++k) {
+            const dqa::Vec3 x = s.design().sensors().read(k, s.q().data()), u = s.design().sensors().read(k, s.v().data());
+            for (std::size_t a = 0; a < 3; ++a) sensors[3 * k + static_cast<int>(a)] = x[a], sensors[9 + 3 * k + static_cast<int>(a)] = u[a];
+        }
+    });
+}
+
+dqa_status dqa_simulator_forces(const dqa_simulator* simulator, double* forces, int64_t n) {
+    return guard([&] {
+        const dqa::WaterTotals& t = design_of(simulator).forces();
+        require(forces, "forces");
+        require_count(n, 12, "n", "forces [4][dims]");
+        for (std::size_t a = 0; a < 3; ++a)
+            forces[a] = t.drag[a], forces[3 + a] = t.thrust[a], forces[6 + a] = t.mean_drag[a], forces[9 + a] = t.mean_thrust[a];
+    });
+}
+
+dqa_status dqa_simulator_surface(const dqa_simulator* simulator, double* vertices, int64_t nv, int32_t* triangles,
+                                 int64_t nt, int64_t* n_vertices, int64_t* n_triangles) {
+    return guard([&] {
+        const dqa::Simulation& s = design_of(simulator);
+        const dqa::Isosurface& surface = s.design().surface();
+        const int64_t rows_v = static_cast<int64_t>(surface.vertices.size()), rows_t = static_cast<int64_t>(surface.triangles.size());
+        if (vertices) require_count(nv, 3 * rows_v, "nv", "vertices [n_vertices][3]");
+        if (triangles) require_count(nt, 3 * rows_t, "nt", "triangles [n_triangles][3]");
+        if (vertices) {
+            const auto x = s.design().carry_surface(s.q().data());
+            std::memcpy(vertices, x.data(), x.size() * sizeof x[0]);
+        }
+        if (triangles)
+            for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+                for (std::size_t k = 0; k < 3; ++k) triangles[3 * t + k] = surface.triangles[t][k];
+        if (n_vertices) *n_vertices = rows_v;
+        if (n_triangles) *n_triangles = rows_t;
+    });
+}
+
+dqa_status dqa_simulator_mesh(const dqa_simulator* simulator, int32_t* cell_nodes, int64_t n_cell_nodes,
+                              int32_t* cell_box_index, int64_t n_cells, double* occupancy, int64_t n_occupancy) {
+    return guard([&] {
+        const dqa::Design& d = design_of(simulator).design();
+        const int64_t n = d.set().n_cells();
+        if (cell_nodes) require_count(n_cell_nodes, 8 * n, "n_cell_nodes", "cell_nodes [n_active_cells][8]");
+        if (cell_box_index) require_count(n_cells, n, "n_cells", "cell_box_index [n_active_cells]");
+        if (occupancy) require_count(n_occupancy, n, "n_occupancy", "occupancy [n_active_cells]");
+        for (std::size_t c = 0; c < static_cast<std::size_t>(n); ++c) {
+            for (std::size_t k = 0; k < 8 && cell_nodes; ++k) cell_nodes[8 * c + k] = d.set().cell_nodes[c][k];
+            if (cell_box_index) cell_box_index[c] = d.set().cells[c];
+            if (occupancy) occupancy[c] = d.occupancy()[c];
+        }
+    });
+}
+
+}  // extern "C"

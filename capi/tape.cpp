@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: MIT
+// The handles of tape and adjoint, objectives, and the proof of the gradient.
+#include <cinttypes>
+
+#include "internal.hpp"
+
+using namespace dqa::capi;
+using dqa::fail;
+using dqa::Status;
+
+namespace {
+
+dqa_tape_options default_options() {
+    dqa_tape_options o{};
+    o.struct_size = sizeof o;
+    return o;
+}
+
+dqa_objective_term default_term() {
+    dqa_objective_term t{};
+    t.struct_size = sizeof t;
+    t.kind = DQA_OBJECTIVE_TRAVEL;
+    t.weight = 1.0;
+    return t;
+}
+
+dqa_gradient_check_options default_check() {
+    const dqa::GradientCheckSettings s;
+    dqa_gradient_check_options o{};
+    o.struct_size = sizeof o;
+    o.with_respect_to = DQA_WRT_WEIGHTS;
+    o.n_steps = s.n_steps;
+    o.seed = s.seed;
+    return o;
+}
+
+const dqa::Tape& recorded(const dqa_tape* tape) {
+    require(tape, "tape");
+    const dqa::Tape& t = *tape->state->tape;
+    if (t.empty()) fail(Status::ERROR_STATE, "tape is empty: record at least one step first");
+    return t;
+}
+
+void require_step(int64_t step, int64_t last, const char* name) {
+    if (step < 0 || step > last) fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected an index in [0, %" PRId64 "]", name, step, last);
+}
+
+}  // namespace
+
+namespace dqa::capi {
+
+std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms) {
+    require(terms, "terms");
+    if (n_terms < 1 || n_terms > 1000000) fail(Status::ERROR_ARGUMENT, "n_terms is %" PRId64 ", expected at least 1", n_terms);
+    const std::uint32_t stride = terms->struct_size;
+    std::vector<ObjectiveTerm> out;
+    for (std::int64_t k = 0; k < n_terms; ++k) {
+        const auto* at = reinterpret_cast<const dqa_objective_term*>(reinterpret_cast<const char*>(terms) + k * stride);
+        const auto t = read_options(at, default_term(), "terms");
+        if (at->struct_size != stride)
+            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].struct_size is %u, expected %u as in terms[0]", k, at->struct_size, stride);
+        if (t.kind != DQA_OBJECTIVE_TRAVEL)
+            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].kind is %d, expected DQA_OBJECTIVE_TRAVEL (0)", k, t.kind);
+        if (!std::isfinite(t.weight)) fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].weight is %g, expected a finite number", k, t.weight);
+        out.push_back({static_cast<ObjectiveKind>(t.kind), t.weight});
+    }
+    return out;
+}
+
+}  // namespace dqa::capi
+
+extern "C" {
+
+dqa_status dqa_tape_options_init(dqa_tape_options* options, uint64_t size) {
+    return guard([&] { init_options(options, size, default_options(), "options"); });
+}
+
+dqa_status dqa_tape_create(dqa_simulator* simulator, const dqa_tape_options* options, dqa_tape** tape) {
+    return guard([&] {
+        begin_create(tape, "tape");
+        require(simulator, "simulator");
+        const auto o = read_options(options, default_options(), "options");
+        require_range(o.flags, o.flags == 0, "flags", "0");
+        if (o.memory_bytes < 0) fail(Status::ERROR_ARGUMENT, "memory_bytes is %" PRId64 ", expected a number >= 0", o.memory_bytes);
+        auto made = std::make_unique<dqa_tape>();
+        made->state = std::make_shared<TapeState>(o.memory_bytes);
+        made->state->simulator = simulator->identity;
+        made->state->simulator_adjoint_iterations = simulator->adjoint_iterations;
+        *tape = made.release();
+    });
+}
+
+void dqa_tape_free(dqa_tape* tape) { delete tape; }
+
+dqa_status dqa_tape_clear(dqa_tape* tape) {
+    return guard([&] {
+        require(tape, "tape");
+        if (tape->state->adjoints > 0) fail(Status::ERROR_STATE, "tape: an adjoint of it lives; free it first");
+        tape->state->tape->clear();
+    });
+}
+
+dqa_status dqa_tape_n_steps(const dqa_tape* tape, int64_t* n_steps) {
+    return guard([&] {
+        require(tape, "tape"), require(n_steps, "n_steps");
+        *n_steps = tape->state->tape->n_steps();
+    });
+}
+
+dqa_status dqa_tape_get_state(dqa_tape* tape, int64_t step, double* q, int64_t nq, double* v, int64_t nv) {
+    return guard([&] {
+        const dqa::Tape& t = recorded(tape);
+        require_step(step, t.n_steps(), "step");
+        const int64_t n = static_cast<int64_t>(t.q(0).size());
+        if (q) require_count(nq, n, "nq", "q [n_nodes][dims]");
+        if (v) require_count(nv, n, "nv", "v [n_nodes][dims]");
+        copy_out(t.q(step).data(), t.q(step).size(), q, nq, "nq", "q [n_nodes][dims]");
+        if (v) std::memcpy(v, t.v(step).data(), static_cast<std::size_t>(n) * sizeof *v);
+    });
+}
+
+dqa_status dqa_tape_get_actuation(dqa_tape* tape, int64_t step, double* actuation, int64_t n) {
+    return guard([&] {
+        const dqa::Tape& t = recorded(tape);
+        require(actuation, "actuation");
+        require_step(step, t.n_steps() - 1, "step");
+        copy_out(t.actuation(step).data(), t.actuation(step).size(), actuation, n, "n", "actuation [n_signals]");
+    });
+}
+
+dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, int64_t nv) {
+    return guard([&] {
+        const dqa::Tape& t = recorded(tape);
+        require(vertices, "vertices");
+        require_step(step, t.n_steps(), "step");
+        require_count(nv, 3 * static_cast<int64_t>(t.design().surface().vertices.size()), "nv", "vertices [n_vertices][3]");
+        const auto x = t.design().carry_surface(t.q(step).data());
+        std::memcpy(vertices, x.data(), x.size() * sizeof x[0]);
+    });
+}
+
+dqa_status dqa_tape_stats(const dqa_tape* tape, dqa_tape_statistics* statistics, uint64_t size) {
+    return guard([&] {
+        require(tape, "tape");
+        const TapeState& state = *tape->state;
+        const auto& s = state.tape->statistics();
+        dqa_tape_statistics out{};
+        out.steps = state.tape->n_steps();
+        out.bytes = s.bytes;
+        out.newton_iterations = s.newton_iterations, out.linear_iterations = s.linear_iterations;
+        out.adjoint_iterations = state.adjoint_iterations.load();
+        out.worst_residual = s.worst_residual;
+        out.worst_adjoint_residual = state.worst_adjoint_residual.load();
+        write_struct(statistics, size, out, "statistics");
+    });
+}
+
+dqa_status dqa_objective_term_init(dqa_objective_term* term, uint64_t size) {
+    return guard([&] { init_options(term, size, default_term(), "term"); });
+}
+
+dqa_status dqa_tape_objective(dqa_tape* tape, const dqa_objective_term* terms, int64_t n_terms, double* loss,
+                              double* per_term) {
+    return guard([&] {
+        const dqa::Tape& t = recorded(tape);
+        const auto list = read_terms(terms, n_terms);
+        require(loss, "loss");
+        *loss = t.objective(list, per_term);
+    });
+}
+
+dqa_status dqa_adjoint_create(dqa_tape* tape, dqa_adjoint** adjoint) {
+    return guard([&] {
+        begin_create(adjoint, "adjoint");
+        recorded(tape);
+        auto made = std::make_unique<dqa_adjoint>();
+        made->state = tape->state;
+        made->core = std::make_unique<dqa::Adjoint>(tape->state->tape);
+        made->cancel = tape->state->tape->design().scene().cancel;
+        ++made->state->adjoints;
+        *adjoint = made.release();
+    });
+}
+
+void dqa_adjoint_free(dqa_adjoint* adjoint) {
+    if (adjoint) --adjoint->state->adjoints;
+    delete adjoint;
+}
+
+dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity, const double* bar, int64_t n) {
+    return guard([&] {
+        require(adjoint, "adjoint"), require(bar, "bar");
+        dqa::Adjoint& a = *adjoint->core;
+        require_step(step, a.tape().n_steps(), "step");
+        require_range(quantity, quantity == DQA_SEED_POSITION || quantity == DQA_SEED_VELOCITY, "quantity",
+                      "DQA_SEED_POSITION or DQA_SEED_VELOCITY");
+        require_count(n, static_cast<int64_t>(a.position_bar().size()), "n", "bar [n_nodes][dims]");
+        require_finite(bar, n, "bar");
+        if (step > a.position())
+            fail(Status::ERROR_STATE, "step is %" PRId64 ", expected at most %ld: the sweep has passed it", step, a.position());
+        if (quantity == DQA_SEED_POSITION)
+            a.seed_position(static_cast<long>(step), bar);
+        else
+            a.seed_velocity(static_cast<long>(step), bar);
+    });
+}
+
+dqa_status dqa_adjoint_seed_objective(dqa_adjoint* adjoint, const dqa_objective_term* terms, int64_t n_terms) {
+    return guard([&] {
+        require(adjoint, "adjoint");
+        adjoint->core->seed_objective(read_terms(terms, n_terms));
+    });
+}
+
+dqa_status dqa_adjoint_backward(dqa_adjoint* adjoint, int64_t to_step, dqa_progress progress, void* user_data) {
+    return guard([&] {
+        require(adjoint, "adjoint");
+        dqa::Adjoint& a = *adjoint->core;
+        require_step(to_step, a.tape().n_steps(), "to_step");
+        if (to_step > a.position())
+            fail(Status::ERROR_STATE, "to_step is %" PRId64 ", expected at most %ld: the sweep has passed it", to_step, a.position());
+        const auto account = [&] {
+            const std::int64_t fresh = a.iterations() - adjoint->counted;
+            adjoint->counted = a.iterations();
+            adjoint->state->adjoint_iterations += fresh;
+            *adjoint->state->simulator_adjoint_iterations += fresh;
+            if (a.worst_residual() > adjoint->state->worst_adjoint_residual.load())
+                adjoint->state->worst_adjoint_residual.store(a.worst_residual());
+        };
+        check_cancel(adjoint->cancel);
+        try {
+            a.backward(static_cast<long>(to_step), [&](long done, long total) {
+                check_cancel(done < total ? adjoint->cancel : nullptr);
+                if (progress && progress(done, total, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
+            });
+        } catch (...) {
+            account();
+            throw;
+        }
+        account();
+    });
+}
+
+dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double* out, int64_t n) {
+    return guard([&] {
+        require(adjoint, "adjoint"), require(out, "out");
+        dqa::Adjoint& a = *adjoint->core;
+        require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+                      "with_respect_to", "one of DQA_WRT_*");
+        if (with_respect_to != DQA_WRT_ACTUATION && (!a.begun() || a.position() > 0))
+            fail(Status::ERROR_STATE, "the sweep stands at step %ld, expected 0: call dqa_adjoint_backward(adjoint, 0, ...) first", a.position());
+        const auto give = [&](const std::vector<double>& values, const char* shape) {
+            copy_out(values.data(), values.size(), out, n, "n", shape);
+        };
+        switch (with_respect_to) {
+            case DQA_WRT_WEIGHTS:
+                require_count(n, static_cast<int64_t>(a.tape().design().space().bases().size()), "n", "[n_bases]");
+                give(a.weights_bar(), "[n_bases]");
+                break;
+            case DQA_WRT_CONTROL: give(a.control_bar(), "[n_parameters]"); break;
+            case DQA_WRT_ACTUATION: give(a.actuation_bar(), "[n_steps][n_signals]"); break;
+            case DQA_WRT_INITIAL_POSITION: give(a.position_bar(), "[n_nodes][dims]"); break;
+            default: give(a.velocity_bar(), "[n_nodes][dims]"); break;
+        }
+    });
+}
+
+dqa_status dqa_gradient_check_options_init(dqa_gradient_check_options* options, uint64_t size) {
+    return guard([&] { init_options(options, size, default_check(), "options"); });
+}
+
+dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controller* controller,
+                              const dqa_objective_term* terms, int64_t n_terms,
+                              const dqa_gradient_check_options* options, dqa_gradient_check_report* report,
+                              uint64_t report_size) {
+    return guard([&] {
+        const dqa::Simulation& simulation = design_of(simulator);
+        const auto list = read_terms(terms, n_terms);
+        const auto o = read_options(options, default_check(), "options");
+        require(report, "report");
+        if (report_size < 8) fail(Status::ERROR_ARGUMENT, "report_size is %" PRIu64 ", expected sizeof of the struct", report_size);
+        require_range(o.flags, o.flags == 0, "flags", "0");
+        require_range(o.with_respect_to, o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+                      "with_respect_to", "one of DQA_WRT_*");
+        require_range(o.n_steps, o.n_steps >= 1 && o.n_steps <= 10000, "n_steps", "a number in [1, 10000]");
+        require_range(o.step, o.step >= 0, "step", "a number >= 0");
+        if (controller && controller->core->n_signals() != simulation.design().n_signals())
+            fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d", controller->core->n_signals(), simulation.design().n_signals());
+        dqa::GradientCheckSettings s;
+        s.quantity = static_cast<dqa::WithRespectTo>(o.with_respect_to);
+        s.n_steps = o.n_steps, s.seed = o.seed, s.step = o.step;
+        const auto r = dqa::check_gradient(simulation, controller ? controller->core.get() : nullptr, list, s);
+        dqa_gradient_check_report out{};
+        out.one_sided = r.one_sided ? 1 : 0;
+        out.adjoint = r.adjoint, out.finite_difference = r.finite_difference, out.relative_error = r.relative_error;
+        out.taylor_slope = r.taylor_slope, out.gradient_norm = r.gradient_norm, out.step = r.step;
+        write_struct(report, report_size, out, "report");
+    });
+}
+
+}  // extern "C"

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * codesign — from closed meshes of animals to an optimised soft swimmer.
+ *
+ * Interpolates between the meshes (Wasserstein barycentre), lets the shape swim under a sine that drives its muscles,
+ * and follows the gradient of the distance travelled with respect to both, as in sections 5 to 8 of Ma et al.,
+ * "DiffAqua", 2021. `codesign --help` lists the options. Only diffaqua.h, the C library and POSIX are used.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "diffaqua.h"
+#include "support/checkpoint.h"
+#include "support/history.h"
+#include "support/interrupt.h"
+#include "support/motion.h"
+#include "support/options.h"
+#include "support/output.h"
+#include "support/picture.h"
+#include "support/progress.h"
+#include "support/run.h"
+#include "support/say.h"
+#include "support/scene.h"
+#include "support/stl.h"
+#include "support/summary.h"
+#include "support/vtu.h"
+
+#define DESIGN_FILE "design.stl"
+
+/* A job: the run, where it stands in its scene, and what its checkpoint belongs to. */
+typedef struct job {
+    options o;
+    char* settings;
+    scene s;
+    run r;
+    progress p;
+    int has_run;    /* r is set up */
+    int drawn;      /* the picture was made */
+    int64_t frames; /* written */
+} job;
+
+/* ------------------------------------------------------------------ start */
+static int start_run(job* w) {
+    double theta_all[3 * 64];
+    const int64_t n = w->s.n_control;
+    int outcome;
+    if (n > (int64_t)(sizeof theta_all / sizeof theta_all[0])) {
+        say("the controller has more parameters than this program knows");
+        return FAILED;
+    }
+    for (int64_t i = 0; i < n; i += 3) {
+        /* Full swing when only the shape is to be found; otherwise half of it, so that there is a way up and down. */
+        theta_all[i] = w->o.fixed_control ? 1.0 : 0.5;
+        theta_all[i + 1] = SCENE_OMEGA0;
+        theta_all[i + 2] = 0.0;
+    }
+    outcome = run_create(&w->r, w->o.weights, w->s.n_weights, theta_all, n, SCENE_OMEGA0, w->o.fixed_control);
+    if (outcome == DONE) w->has_run = 1;
+    if (outcome == DONE && w->o.resume) {
+        outcome = checkpoint_load(&w->r, w->settings, w->o.out);
+        if (outcome == DONE) say("continuing after iteration %lld", (long long)w->r.iteration);
+    }
+    return outcome;
+}
+
+/* The gradient is proven before it is trusted: at the initial design, once. */
+static int prove(job* w) {
+    const double started = progress_clock();
+    gradient_proof *weights = &w->r.proof_weights, *control = &w->r.proof_control;
+    int outcome;
+    if (w->r.iteration > 0 || control->present) return DONE;
+    outcome = scene_prove(&w->s, w->r.x, weights, control, &w->p);
+    if (outcome != DONE) {
+        weights->present = control->present = 0;
+        return outcome;
+    }
+    w->r.seconds += progress_clock() - started;
+    if ((weights->present && !(weights->report.relative_error <= 1e-6)) || !(control->report.relative_error <= 1e-6))
+        say("warning: finite differences disagree with the gradient by %.1e (weights) and %.1e (control)",
+            weights->report.relative_error, control->report.relative_error);
+    return checkpoint_save(&w->r, w->settings, w->o.out);
+}
+
+/* ------------------------------------------------------------------ the optimisation */
+static int iterate(job* w) {
+    history_row row = {0};
+    double* gradient = malloc((size_t)w->r.n * sizeof *gradient);
+    int outcome = gradient != NULL ? scene_evaluate(&w->s, w->r.x, gradient, &row, &w->p) : say_no_memory();
+    if (outcome == DONE) {
+        row.iteration = w->r.iteration + 1;
+        outcome = run_advance(&w->r, &row, gradient);
+    }
+    free(gradient);
+    if (outcome != DONE) return outcome;
+    w->r.seconds += row.seconds;
+    /* The table first: a checkpoint never claims an iteration that the table lacks. */
+    outcome = history_write(&w->r, w->s.space, w->o.out);
+    if (outcome == DONE) outcome = checkpoint_save(&w->r, w->settings, w->o.out);
+    if (outcome == DONE) progress_iteration(&w->p, w->r.iteration, row.loss, w->r.best_loss, row.seconds);
+    return outcome;
+}
+
+static int optimise(job* w, int* converged) {
+    int outcome = DONE;
+    *converged = run_converged(&w->r);
+    while (outcome == DONE && w->r.iteration < w->o.iterations && !*converged) {
+        outcome = interrupted() ? INTERRUPTED : iterate(w);
+        if (outcome == DONE) *converged = run_converged(&w->r);
+    }
+    return outcome;
+}
+
+/* ------------------------------------------------------------------ results */
+static int write_results(job* w, int converged) {
+    const double started = progress_clock();
+    motion first, best;
+    int outcome;
+    memset(&best, 0, sizeof best);
+    outcome = motion_record(&first, &w->s, w->r.row_x, &w->p);
+    w->p.extra = 1;
+    if (outcome == DONE) outcome = motion_record(&best, &w->s, w->r.best_x, &w->p);
+    w->p.extra = 0;
+    progress_stage(&w->p, PROGRESS_OUTPUT);
+    if (outcome == DONE) outcome = history_write(&w->r, w->s.space, w->o.out);
+    if (outcome == DONE)
+        outcome = stl_write(w->o.out, DESIGN_FILE, motion_frame(&best, 0), best.triangles, best.n_triangles);
+    if (outcome == DONE) outcome = vtu_write_motion(&best, w->o.out);
+    if (outcome == DONE) outcome = picture_make(&w->r, w->s.space, &first, &best, w->o.out, &w->drawn);
+    w->r.seconds += progress_clock() - started;
+    if (outcome == DONE) outcome = summary_write(&w->r, &w->o, &w->s, converged, w->o.out);
+    w->frames = best.n_frames;
+    motion_free(&first);
+    motion_free(&best);
+    return outcome;
+}
+
+static int list_results(const job* w, int converged) {
+    const run* r = &w->r;
+    const char* out = w->o.out;
+    printf("%s after %lld iterations and %.1f s: the swimmer travels %.4f m (first %.4f m)\n",
+           converged ? "Converged" : "Done", (long long)r->iteration, r->seconds, -r->best_loss, -r->rows[0].loss);
+    for (int64_t i = 0; i < r->n_weights; ++i)
+        printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
+    printf("Files:\n");
+    if (w->drawn) printf("  %s/%s  (made by %s and %s/ there)\n", out, PICTURE_FILE, PICTURE_SCRIPT, PICTURE_FOLDER);
+    printf("  %s/%s\n  %s/%s\n", out, HISTORY_FILE, out, SUMMARY_FILE);
+    printf("  %s/%s  (%lld frames in %s/)\n", out, VTU_INDEX, (long long)w->frames, VTU_FOLDER);
+    printf("  %s/%s\n  %s/%s\n", out, DESIGN_FILE, out, CHECKPOINT_FILE);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        say("cannot write to the standard output");
+        return FAILED;
+    }
+    return DONE;
+}
+
+/* ------------------------------------------------------------------ all of it */
+static int work(job* w) {
+    int converged = 0;
+    int outcome = scene_create(&w->s, &w->o, &w->p);
+    if (outcome == DONE) outcome = start_run(w);
+    /* The summary is written last: while it is missing, the folder is known to be incomplete. */
+    if (outcome == DONE) output_remove(w->o.out, SUMMARY_FILE);
+    /* From here on there is something to come back to, and a folder that cannot be written is found out early. */
+    if (outcome == DONE) outcome = checkpoint_save(&w->r, w->settings, w->o.out);
+    w->p.iteration = w->r.iteration;
+    if (outcome == DONE) outcome = prove(w);
+    if (outcome == DONE) outcome = optimise(w, &converged);
+    w->p.iterations = w->r.iteration;
+    if (outcome == DONE) outcome = write_results(w, converged);
+    progress_end(&w->p);
+    if (outcome == DONE) outcome = list_results(w, converged);
+    return outcome;
+}
+
+static int prepare(job* w, int* created) {
+    int outcome;
+    w->settings = checkpoint_settings(&w->o);
+    if (w->settings == NULL) return FAILED;
+    if (w->o.resume && !checkpoint_exists(w->o.out)) {
+        say("there is no checkpoint in %s to resume from; start without --resume", w->o.out);
+        return USAGE;
+    }
+    outcome = output_folder(w->o.out, created);
+    if (outcome == DONE && !w->o.resume && checkpoint_exists(w->o.out))
+        say("starting anew in %s; --resume would have continued the run that lies there", w->o.out);
+    return outcome;
+}
+
+int main(int argc, char** argv) {
+    job w;
+    int action = OPTIONS_RUN, created = 0;
+    int outcome;
+    memset(&w, 0, sizeof w);
+    say_program("codesign");
+    if (dqa_abi_version() != DQA_ABI_VERSION) {
+        say("the diffaqua library found has ABI %d; this program needs %d", (int)dqa_abi_version(), DQA_ABI_VERSION);
+        return FAILED;
+    }
+    outcome = options_parse(&w.o, argc, argv, &action);
+    if (outcome == DONE && action == OPTIONS_RUN) {
+        outcome = prepare(&w, &created);
+        if (outcome == DONE) {
+            progress_begin(&w.p, w.o.iterations, 2);
+            outcome = work(&w);
+            if (outcome == INTERRUPTED) {
+                say("interrupted after iteration %lld of %lld", (long long)w.r.iteration, (long long)w.o.iterations);
+                if (w.has_run) options_say_resume(argc, argv);
+            }
+        }
+        scene_free(&w.s);
+        if (w.has_run) run_free(&w.r);
+        /* A folder that was made for nothing goes again; one with anything in it stays. */
+        if (created) (void)rmdir(w.o.out);
+    }
+    free(w.settings);
+    options_free(&w.o);
+    return outcome;
+}

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT
+ * Checkpoints. Text with hexadecimal floating-point numbers, which keep every bit and survive a change of machine;
+ * the last line is a checksum of all before it (64-bit FNV-1a), so that damage is found before anything is read. */
+#include "checkpoint.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "memory_text.h"
+#include "output.h"
+#include "say.h"
+
+#define MAGIC "codesign checkpoint 1\n"
+#define SETTINGS_END "settings-end\n"
+
+static uint64_t fnv(const void* data, size_t size) {
+    const unsigned char* bytes = data;
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * UINT64_C(1099511628211);
+    return hash;
+}
+
+char* checkpoint_settings(const options* o) {
+    memory_text t;
+    memory_text_begin(&t);
+    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsteps %" PRId64 "\ncontrol %s\nbases %d\n", dqa_version(),
+                    (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->steps, o->fixed_control ? "fixed" : "free",
+                    (int)o->n_meshes);
+    for (int32_t i = 0; i < o->n_meshes; ++i) {
+        const char* slash = strrchr(o->meshes[i], '/');
+        size_t size = 0;
+        char* content = memory_text_read(o->meshes[i], &size);
+        if (content == NULL) {
+            memory_text_end(&t);
+            return NULL;
+        }
+        memory_text_add(&t, "base-%d %s (content %016" PRIx64 ")\nweight-%d %.17g\n", (int)i + 1,
+                        slash != NULL ? slash + 1 : o->meshes[i], fnv(content, size), (int)i + 1, o->weights[i]);
+        free(content);
+    }
+    if (t.failed) {
+        memory_text_end(&t);
+        (void)say_no_memory();
+        return NULL;
+    }
+    return t.text;
+}
+
+static int path_of(const char* folder, char** path) {
+    *path = output_path(folder, CHECKPOINT_FILE);
+    return *path != NULL ? DONE : FAILED;
+}
+
+int checkpoint_exists(const char* folder) {
+    char* path;
+    FILE* stream;
+    if (path_of(folder, &path) != DONE) return 0;
+    stream = fopen(path, "rb");
+    free(path);
+    if (stream == NULL) return 0;
+    (void)fclose(stream);
+    return 1;
+}
+
+/* ------------------------------------------------------------------ writing */
+static void put_numbers(memory_text* t, const char* name, const double* x, int64_t n) {
+    memory_text_add(t, "%s", name);
+    for (int64_t i = 0; i < n; ++i) memory_text_add(t, " %a", x[i]);
+    memory_text_add(t, "\n");
+}
+
+static void put_proof(memory_text* t, const char* name, const gradient_proof* proof) {
+    const dqa_gradient_check_report* c = &proof->report;
+    const double numbers[6] = {c->adjoint,      c->finite_difference, c->relative_error,
+                               c->taylor_slope, c->gradient_norm,     c->step};
+    memory_text_add(t, "%s %d %d", name, proof->present, (int)c->one_sided);
+    put_numbers(t, "", numbers, 6);
+}
+
+int checkpoint_save(const run* r, const char* settings, const char* folder) {
+    memory_text t;
+    output_file file;
+    memory_text_begin(&t);
+    memory_text_add(&t, "%s%s%s", MAGIC, settings, SETTINGS_END);
+    memory_text_add(&t, "unknowns %" PRId64 " %" PRId64 "\niteration %" PRId64 " best %" PRId64 "\n", r->n_weights,
+                    r->n_control, r->iteration, r->best_iteration);
+    put_numbers(&t, "seconds", &r->seconds, 1);
+    put_numbers(&t, "best-loss", &r->best_loss, 1);
+    put_numbers(&t, "x", r->x, r->n);
+    put_numbers(&t, "first-moment", r->first_moment, r->n);
+    put_numbers(&t, "second-moment", r->second_moment, r->n);
+    put_numbers(&t, "best-x", r->best_x, r->n);
+    put_proof(&t, "proof-weights", &r->proof_weights);
+    put_proof(&t, "proof-control", &r->proof_control);
+    for (int64_t k = 0; k < r->iteration; ++k) {
+        const history_row* row = &r->rows[k];
+        const double numbers[4] = {row->loss, row->gradient_weights, row->gradient_control, row->seconds};
+        memory_text_add(&t, "row %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64, row->iteration, row->newton_iterations,
+                        row->linear_iterations, row->adjoint_iterations);
+        put_numbers(&t, "", numbers, 4);
+        put_numbers(&t, "at", r->row_x + k * r->n, r->n);
+    }
+    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : fnv(t.text, t.length));
+    if (t.failed) {
+        memory_text_end(&t);
+        return say_no_memory();
+    }
+    if (output_open(&file, folder, CHECKPOINT_FILE) != DONE) {
+        memory_text_end(&t);
+        return FAILED;
+    }
+    (void)fwrite(t.text, 1, t.length, file.stream);
+    memory_text_end(&t);
+    return output_commit(&file);
+}
+
+/* ------------------------------------------------------------------ reading */
+/* A cursor over the text; `bad` stays set once anything was not as expected. */
+typedef struct cursor {
+    const char* at;
+    int bad;
+} cursor;
+
+static void expect_word(cursor* c, const char* word) {
+    const size_t length = strlen(word);
+    if (c->bad) return;
+    c->at += strspn(c->at, " \n");
+    if (strncmp(c->at, word, length) != 0 || strchr(" \n", c->at[length]) == NULL)
+        c->bad = 1;
+    else
+        c->at += length;
+}
+
+static int64_t next_integer(cursor* c) {
+    char* end = NULL;
+    const long long value = c->bad ? 0 : strtoll(c->at, &end, 10);
+    if (end == c->at || end == NULL)
+        c->bad = 1;
+    else
+        c->at = end;
+    return c->bad ? 0 : (int64_t)value;
+}
+
+static void next_numbers(cursor* c, double* x, int64_t n) {
+    for (int64_t i = 0; i < n && !c->bad; ++i) {
+        char* end = NULL;
+        x[i] = strtod(c->at, &end);
+        if (end == c->at)
+            c->bad = 1;
+        else
+            c->at = end;
+    }
+}
+
+static void named_numbers(cursor* c, const char* name, double* x, int64_t n) {
+    expect_word(c, name);
+    next_numbers(c, x, n);
+}
+
+static void next_proof(cursor* c, const char* name, gradient_proof* proof) {
+    double numbers[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    expect_word(c, name);
+    memset(proof, 0, sizeof *proof);
+    proof->present = (int)next_integer(c);
+    proof->report.one_sided = (int32_t)next_integer(c);
+    next_numbers(c, numbers, 6);
+    proof->report.adjoint = numbers[0];
+    proof->report.finite_difference = numbers[1];
+    proof->report.relative_error = numbers[2];
+    proof->report.taylor_slope = numbers[3];
+    proof->report.gradient_norm = numbers[4];
+    proof->report.step = numbers[5];
+}
+
+static int parse_state(run* r, const char* text) {
+    cursor c = {text, 0};
+    int64_t rows;
+    expect_word(&c, "unknowns");
+    if (next_integer(&c) != r->n_weights || next_integer(&c) != r->n_control) c.bad = 1;
+    expect_word(&c, "iteration");
+    rows = next_integer(&c);
+    expect_word(&c, "best");
+    r->best_iteration = next_integer(&c);
+    named_numbers(&c, "seconds", &r->seconds, 1);
+    named_numbers(&c, "best-loss", &r->best_loss, 1);
+    named_numbers(&c, "x", r->x, r->n);
+    named_numbers(&c, "first-moment", r->first_moment, r->n);
+    named_numbers(&c, "second-moment", r->second_moment, r->n);
+    named_numbers(&c, "best-x", r->best_x, r->n);
+    next_proof(&c, "proof-weights", &r->proof_weights);
+    next_proof(&c, "proof-control", &r->proof_control);
+    for (r->iteration = 0; r->iteration < rows && !c.bad; ++r->iteration) {
+        double numbers[4] = {0.0, 0.0, 0.0, 0.0};
+        history_row* row;
+        if (run_reserve(r) != DONE) return FAILED;
+        row = &r->rows[r->iteration];
+        expect_word(&c, "row");
+        row->iteration = next_integer(&c);
+        row->newton_iterations = next_integer(&c);
+        row->linear_iterations = next_integer(&c);
+        row->adjoint_iterations = next_integer(&c);
+        next_numbers(&c, numbers, 4);
+        row->loss = numbers[0];
+        row->gradient_weights = numbers[1];
+        row->gradient_control = numbers[2];
+        row->seconds = numbers[3];
+        named_numbers(&c, "at", r->row_x + r->iteration * r->n, r->n);
+    }
+    if (c.bad) say("the checkpoint does not hold what it should; start without --resume");
+    return c.bad ? FAILED : DONE;
+}
+
+/* Length of the line that begins at `text`, without its end. */
+static size_t line_length(const char* text) {
+    return strcspn(text, "\n");
+}
+
+static int compare_settings(const char* found, const char* wanted) {
+    while (*found != '\0' && *wanted != '\0') {
+        const size_t a = line_length(found), b = line_length(wanted);
+        if (a != b || strncmp(found, wanted, a) != 0) {
+            say("the checkpoint belongs to other settings: it has \"%.*s\", this run \"%.*s\"", (int)a, found, (int)b,
+                wanted);
+            return USAGE;
+        }
+        found += a + (found[a] == '\n');
+        wanted += b + (wanted[b] == '\n');
+    }
+    if (*found != *wanted) {
+        say("the checkpoint belongs to other settings");
+        return USAGE;
+    }
+    return DONE;
+}
+
+/* Cuts the checksum line off `text` and checks it. */
+static int verify(char* text, size_t size) {
+    char line[32];
+    const size_t tail = (size_t)snprintf(line, sizeof line, "checksum %016x\n", 0u);
+    if (size < tail || strncmp(text, MAGIC, strlen(MAGIC)) != 0) return FAILED;
+    (void)snprintf(line, sizeof line, "checksum %016" PRIx64 "\n", fnv(text, size - tail));
+    if (memcmp(text + size - tail, line, tail) != 0) return FAILED;
+    text[size - tail] = '\0';
+    return DONE;
+}
+
+int checkpoint_load(run* r, const char* settings, const char* folder) {
+    char *path, *text, *end;
+    size_t size = 0;
+    int outcome;
+    if (path_of(folder, &path) != DONE) return FAILED;
+    text = memory_text_read(path, &size);
+    if (text == NULL) {
+        free(path);
+        return FAILED;
+    }
+    outcome = verify(text, size);
+    end = outcome == DONE ? strstr(text, SETTINGS_END) : NULL;
+    if (end == NULL) {
+        say("%s is damaged or not a checkpoint of this version; start without --resume", path);
+        outcome = FAILED;
+    } else {
+        *end = '\0';
+        outcome = compare_settings(text + strlen(MAGIC), settings);
+        if (outcome == DONE) outcome = parse_state(r, end + strlen(SETTINGS_END));
+    }
+    free(text);
+    free(path);
+    return outcome;
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT
+ * The command line of codesign: numbers are read strictly, and every refusal says what was expected. */
+#define _POSIX_C_SOURCE 200809L
+#include "options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "machine.h"
+#include "say.h"
+#include "shapes.h"
+
+typedef struct preset {
+    int32_t grid[3];
+    int64_t iterations;
+    int64_t steps;
+} preset;
+
+/* Chosen so that the shipped shapes end within two minutes on two cores, --quick within one; meshes of the user's own
+ * get the resolution and length of the paper's open-loop experiments. */
+static const preset preset_shipped = {{40, 12, 20}, 15, 60};
+static const preset preset_quick = {{28, 10, 14}, 5, 30};
+static const preset preset_user = {{60, 16, 26}, 20, 100};
+
+static const char help[] =
+    "usage: codesign [options] [mesh...]\n"
+    "\n"
+    "Optimises the shape of a soft swimmer, interpolated between closed triangle meshes (STL, OBJ, PLY),\n"
+    "together with the sine that drives its muscles, for the distance it travels.\n"
+    "Without meshes it takes the shapes that come with it, on a coarser grid.\n"
+    "\n"
+    "  --grid NXxNYxNZ   cells of the box, each 8 to 512 (60x16x26; shipped shapes 40x12x20; quick 28x10x14)\n"
+    "  --iterations N    of the optimiser (20; shipped shapes 15; quick 5)\n"
+    "  --steps N         time steps of 1/30 s per rollout (100; shipped shapes 60; quick 30)\n"
+    "  --fixed-control   optimise the weights only; the sine stays at amplitude 1\n"
+    "  --weights a,b,... initial share of each mesh; they sum to 1 (equal shares)\n"
+    "  --out DIR         folder of the results (./codesign-out)\n"
+    "  --quick           a coarse version, within a minute\n"
+    "  --resume          continue an interrupted run in DIR; give the other options again\n"
+    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
+    "  --help            this text\n"
+    "\n"
+    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+
+static int parse_count(const char* option, const char* text, int64_t least, int64_t most, int64_t* value) {
+    char* end = NULL;
+    long long number;
+    errno = 0;
+    number = strtoll(text, &end, 10);
+    if (end == text || *end != '\0' || errno != 0 || number < least || number > most) {
+        say("%s expects a whole number from %lld to %lld, not \"%s\"", option, (long long)least, (long long)most, text);
+        return USAGE;
+    }
+    *value = (int64_t)number;
+    return DONE;
+}
+
+static int parse_grid(const char* text, int32_t grid[3]) {
+    const char* rest = text;
+    for (int axis = 0; axis < 3; ++axis) {
+        char* end = NULL;
+        const long cells = (*rest >= '0' && *rest <= '9') ? strtol(rest, &end, 10) : 0;
+        if (cells < 8 || cells > 512 || *end != (axis < 2 ? 'x' : '\0')) {
+            say("--grid expects three numbers of cells from 8 to 512 like 60x16x26, not \"%s\"", text);
+            return USAGE;
+        }
+        grid[axis] = (int32_t)cells;
+        rest = end + 1;
+    }
+    return DONE;
+}
+
+static int parse_weights(const char* text, double* weights, int32_t* n) {
+    const char* rest = text;
+    double sum = 0.0;
+    *n = 0;
+    for (;;) {
+        char* end = NULL;
+        const double weight = strtod(rest, &end);
+        if (end == rest || (*end != ',' && *end != '\0') || !isfinite(weight) || weight < 0.0) {
+            say("--weights expects numbers >= 0 separated by commas, not \"%s\"", text);
+            return USAGE;
+        }
+        if (*n == OPTIONS_MAX_BASES) {
+            say("--weights takes at most %d numbers", OPTIONS_MAX_BASES);
+            return USAGE;
+        }
+        weights[(*n)++] = weight;
+        sum += weight;
+        if (*end == '\0') break;
+        rest = end + 1;
+    }
+    if (fabs(sum - 1.0) > 1e-6) {
+        say("--weights must sum to 1; \"%s\" sums to %.9g", text, sum);
+        return USAGE;
+    }
+    /* The library wants the sum to round-off; a user writes 0.333333,0.333333,0.333334. */
+    for (int32_t i = 0; i < *n; ++i) weights[i] /= sum;
+    return DONE;
+}
+
+static int add_mesh(options* o, const char* path) {
+    if (o->n_meshes == OPTIONS_MAX_BASES) {
+        say("at most %d meshes can be combined", OPTIONS_MAX_BASES);
+        return USAGE;
+    }
+    o->meshes[o->n_meshes] = strdup(path);
+    if (o->meshes[o->n_meshes] == NULL) return say_no_memory();
+    ++o->n_meshes;
+    return DONE;
+}
+
+/* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
+typedef struct given {
+    const char *grid, *iterations, *steps, *weights, *threads;
+} given;
+
+static const char** value_slot(given* g, options* o, const char* name, size_t length) {
+    const struct {
+        const char* name;
+        const char** slot;
+    } table[] = {{"--grid", &g->grid},       {"--iterations", &g->iterations}, {"--steps", &g->steps},
+                 {"--weights", &g->weights}, {"--threads", &g->threads},       {"--out", &o->out}};
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
+        if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
+    return NULL;
+}
+
+static int parse_words(options* o, given* g, int argc, char** argv, int* action) {
+    int only_meshes = 0;
+    for (int i = 1; i < argc; ++i) {
+        const char* word = argv[i];
+        const char* equals = strchr(word, '=');
+        const char** slot;
+        int outcome = DONE;
+        if (only_meshes || strncmp(word, "-", 1) != 0) {
+            outcome = add_mesh(o, word);
+        } else if (strcmp(word, "--") == 0) {
+            only_meshes = 1;
+        } else if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+            *action = OPTIONS_HELP;
+            return fputs(help, stdout) < 0 || fflush(stdout) != 0 ? FAILED : DONE;
+        } else if (strcmp(word, "--fixed-control") == 0) {
+            o->fixed_control = 1;
+        } else if (strcmp(word, "--quick") == 0) {
+            o->quick = 1;
+        } else if (strcmp(word, "--resume") == 0) {
+            o->resume = 1;
+        } else if ((slot = value_slot(g, o, word, equals != NULL ? (size_t)(equals - word) : strlen(word))) != NULL) {
+            if (equals == NULL && i + 1 == argc) {
+                say("%s expects a value; see codesign --help", word);
+                return USAGE;
+            }
+            *slot = equals != NULL ? equals + 1 : argv[++i];
+            if (**slot == '\0') {
+                say("%s expects a value; see codesign --help", word);
+                return USAGE;
+            }
+        } else {
+            say("unknown option %s; see codesign --help", word);
+            return USAGE;
+        }
+        if (outcome != DONE) return outcome;
+    }
+    return DONE;
+}
+
+static int resolve_threads(options* o, const given* g) {
+    int64_t threads = 0;
+    int outcome = DONE;
+    if (g->threads != NULL) {
+        outcome = parse_count("--threads", g->threads, 1, 1024, &threads);
+    } else {
+        threads = machine_processors();
+        if (threads > 16) threads = 16;
+    }
+    o->threads = (int32_t)threads;
+    return outcome;
+}
+
+static int resolve_meshes(options* o, const given* g) {
+    int32_t n_weights = 0;
+    int outcome = DONE;
+    if (o->n_meshes == 0) {
+        o->shipped = 1;
+        for (int32_t i = 0; i < shapes_count() && outcome == DONE; ++i) {
+            char* path = shapes_path(i);
+            outcome = path != NULL ? add_mesh(o, path) : FAILED;
+            free(path);
+        }
+        if (outcome != DONE) return outcome;
+    }
+    if (g->weights == NULL) {
+        for (int32_t i = 0; i < o->n_meshes; ++i) o->weights[i] = 1.0 / (double)o->n_meshes;
+        return DONE;
+    }
+    outcome = parse_weights(g->weights, o->weights, &n_weights);
+    if (outcome == DONE && n_weights != o->n_meshes) {
+        say("--weights names %d weights for %d %s", (int)n_weights, (int)o->n_meshes,
+            o->n_meshes == 1 ? "mesh" : "meshes");
+        outcome = USAGE;
+    }
+    return outcome;
+}
+
+int options_parse(options* o, int argc, char** argv, int* action) {
+    given g;
+    const preset* p;
+    int outcome;
+    memset(o, 0, sizeof *o);
+    memset(&g, 0, sizeof g);
+    o->out = "codesign-out";
+    *action = OPTIONS_RUN;
+    outcome = parse_words(o, &g, argc, argv, action);
+    if (outcome != DONE || *action == OPTIONS_HELP) return outcome;
+    p = o->quick ? &preset_quick : o->n_meshes == 0 ? &preset_shipped : &preset_user;
+    memcpy(o->grid, p->grid, sizeof o->grid);
+    o->iterations = p->iterations;
+    o->steps = p->steps;
+    if (g.grid != NULL) outcome = parse_grid(g.grid, o->grid);
+    if (outcome == DONE && g.iterations != NULL)
+        outcome = parse_count("--iterations", g.iterations, 1, 1000000, &o->iterations);
+    if (outcome == DONE && g.steps != NULL) outcome = parse_count("--steps", g.steps, 1, 1000000, &o->steps);
+    if (outcome == DONE) outcome = resolve_threads(o, &g);
+    if (outcome == DONE) outcome = resolve_meshes(o, &g);
+    return outcome;
+}
+
+void options_free(options* o) {
+    for (int32_t i = 0; i < o->n_meshes; ++i) free(o->meshes[i]);
+    o->n_meshes = 0;
+}
+
+/* A word as a shell reads it back: in single quotes when it has anything but plain characters. */
+static size_t quote(char* to, const char* word) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
+    char* start = to;
+    if (*word != '\0' && word[strspn(word, plain)] == '\0') {
+        const size_t length = strlen(word);
+        memcpy(to, word, length);
+        return length;
+    }
+    *to++ = '\'';
+    for (; *word != '\0'; ++word) {
+        if (*word == '\'') {
+            memcpy(to, "'\\'", 3);
+            to += 3;
+        }
+        *to++ = *word;
+    }
+    *to++ = '\'';
+    return (size_t)(to - start);
+}
+
+void options_say_resume(int argc, char** argv) {
+    size_t size = 32;
+    char *line, *to;
+    int has_resume = 0;
+    for (int i = 0; i < argc; ++i) size += 4 * strlen(argv[i]) + 3;
+    line = malloc(size);
+    if (line == NULL) return;
+    to = line;
+    for (int i = 0; i < argc; ++i) {
+        if (i > 0) *to++ = ' ';
+        to += quote(to, argv[i]);
+        /* Before the meshes, because an argument after "--" would be taken for one. */
+        if (strcmp(argv[i], "--resume") == 0) has_resume = 1;
+        if (i == 0) {
+            static const char word[] = " --resume";
+            memcpy(to, word, sizeof word - 1);
+            to += sizeof word - 1;
+        }
+    }
+    *to = '\0';
+    if (has_resume) {
+        /* It was given already: drop the one just added. */
+        char* extra = strstr(line, " --resume");
+        memmove(extra, extra + 9, strlen(extra + 9) + 1);
+    }
+    say("continue with:  %s", line);
+    free(line);
+}

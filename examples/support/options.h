@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT
+ * The command line of codesign. */
+#ifndef DQA_EXAMPLES_OPTIONS_H
+#define DQA_EXAMPLES_OPTIONS_H
+
+#include <stdint.h>
+
+#define OPTIONS_MAX_BASES 64
+
+typedef struct options {
+    int32_t grid[3];                   /* cells along x, y, z */
+    int64_t iterations;                /* of the optimiser, >= 1 */
+    int64_t steps;                     /* of a rollout, >= 1 */
+    int32_t threads;                   /* >= 1 */
+    int fixed_control;                 /* only the weights are optimised */
+    int quick;                         /* the coarse settings were asked for */
+    int resume;                        /* continue from the checkpoint in `out` */
+    int shipped;                       /* the meshes are those that come with the program */
+    const char* out;                   /* folder of the results */
+    int32_t n_meshes;                  /* >= 1 */
+    char* meshes[OPTIONS_MAX_BASES];   /* paths; owned */
+    double weights[OPTIONS_MAX_BASES]; /* initial design, on the simplex */
+} options;
+
+#define OPTIONS_RUN 0  /* go on */
+#define OPTIONS_HELP 1 /* --help was answered: nothing more to do */
+
+/* Reads the command line. Returns DONE, or USAGE or FAILED (said); *action is OPTIONS_*. */
+int options_parse(options* o, int argc, char** argv, int* action);
+void options_free(options* o);
+/* The command line that continues this run, in shell quoting, on stderr through say(). */
+void options_say_resume(int argc, char** argv);
+
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT
+ * The state of an optimisation and its step: Adam, then projection. The rates are those of the paper's experiments;
+ * omega is measured in units of its natural frequency, because 0.05 rad/s against 15.7 rad/s would move nothing. */
+#include "run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "say.h"
+
+#define RATE 0.05
+#define CALM_ITERATIONS 4 /* consecutive small changes that count as convergence */
+#define CALM_CHANGE 1e-6
+
+static double* new_numbers(int64_t n) {
+    return calloc((size_t)(n > 0 ? n : 1), sizeof(double));
+}
+
+int run_create(run* r, const double* weights, int64_t n_weights, const double* theta, int64_t n_control, double omega0,
+               int fixed_control) {
+    memset(r, 0, sizeof *r);
+    r->n_weights = n_weights;
+    r->n_control = n_control;
+    r->n = n_weights + n_control;
+    r->fixed_control = fixed_control;
+    r->omega0 = omega0;
+    r->best_loss = HUGE_VAL;
+    r->x = new_numbers(r->n);
+    r->first_moment = new_numbers(r->n);
+    r->second_moment = new_numbers(r->n);
+    r->rates = new_numbers(r->n);
+    r->best_x = new_numbers(r->n);
+    if (r->x == NULL || r->first_moment == NULL || r->second_moment == NULL || r->rates == NULL || r->best_x == NULL) {
+        run_free(r);
+        return say_no_memory();
+    }
+    memcpy(r->x, weights, (size_t)n_weights * sizeof(double));
+    memcpy(r->x + n_weights, theta, (size_t)n_control * sizeof(double));
+    for (int64_t i = 0; i < n_weights; ++i) r->rates[i] = RATE;
+    for (int64_t i = 0; i < n_control; ++i) r->rates[n_weights + i] = i % 3 == 1 ? RATE * omega0 : RATE;
+    return DONE;
+}
+
+void run_free(run* r) {
+    free(r->x);
+    free(r->first_moment);
+    free(r->second_moment);
+    free(r->rates);
+    free(r->best_x);
+    free(r->rows);
+    free(r->row_x);
+    memset(r, 0, sizeof *r);
+}
+
+int run_reserve(run* r) {
+    if (r->iteration >= r->capacity) {
+        const int64_t capacity = r->capacity > 0 ? 2 * r->capacity : 32;
+        history_row* rows = realloc(r->rows, (size_t)capacity * sizeof *rows);
+        double* row_x;
+        if (rows == NULL) return say_no_memory();
+        r->rows = rows;
+        row_x = realloc(r->row_x, (size_t)(capacity * r->n) * sizeof *row_x);
+        if (row_x == NULL) return say_no_memory();
+        r->row_x = row_x;
+        r->capacity = capacity;
+    }
+    return DONE;
+}
+
+static double clamp(double value, double least, double most) {
+    return value < least ? least : value > most ? most : value;
+}
+
+int run_advance(run* r, const history_row* row, const double* gradient) {
+    const int64_t moving = r->fixed_control ? r->n_weights : r->n;
+    int outcome = run_reserve(r);
+    if (outcome != DONE) return outcome;
+    r->rows[r->iteration] = *row;
+    memcpy(r->row_x + r->iteration * r->n, r->x, (size_t)r->n * sizeof(double));
+    ++r->iteration;
+    if (row->loss < r->best_loss) {
+        r->best_loss = row->loss;
+        r->best_iteration = r->iteration;
+        memcpy(r->best_x, r->x, (size_t)r->n * sizeof(double));
+    }
+    outcome =
+        say_status(dqa_adam_step(r->x, gradient, r->rates, r->first_moment, r->second_moment, moving, r->iteration),
+                   "take an Adam step");
+    if (outcome == DONE)
+        outcome = say_status(dqa_project_simplex(r->x, r->n_weights), "project the weights onto the simplex");
+    for (int64_t i = 0; i < r->n_control; i += 3) {
+        double* theta = r->x + r->n_weights + i;
+        theta[0] = clamp(theta[0], 0.0, 1.0);
+        /* Beyond half the sampling rate a sine is another, slower sine; zero would stop the swimmer for good. */
+        theta[1] = clamp(theta[1], 0.05 * r->omega0, 6.0 * r->omega0);
+    }
+    return outcome;
+}
+
+int run_converged(const run* r) {
+    if (r->iteration <= CALM_ITERATIONS) return 0;
+    for (int64_t k = r->iteration - CALM_ITERATIONS; k < r->iteration; ++k) {
+        const double *now = r->row_x + k * r->n, *before = now - r->n;
+        if (fabs(r->rows[k].loss - r->rows[k - 1].loss) > CALM_CHANGE) return 0;
+        for (int64_t i = 0; i < r->n; ++i) {
+            const double unit = r->rates[i] / RATE;
+            if (fabs(now[i] - before[i]) > CALM_CHANGE * unit) return 0;
+        }
+    }
+    return 1;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT
+ * The state of an optimisation: everything that a checkpoint has to hold, and the optimiser's step. */
+#ifndef DQA_EXAMPLES_RUN_H
+#define DQA_EXAMPLES_RUN_H
+
+#include <stdint.h>
+
+#include "diffaqua.h"
+
+/* What one evaluation of the loss and its gradient tells. */
+typedef struct history_row {
+    int64_t iteration;                         /* counts from 1 */
+    double loss;                               /* m */
+    double gradient_weights, gradient_control; /* 2-norms */
+    double seconds;
+    int64_t newton_iterations, linear_iterations, adjoint_iterations;
+} history_row;
+
+/* The library's proof of a gradient; `present` is 0 until it has been made. */
+typedef struct gradient_proof {
+    int present;
+    dqa_gradient_check_report report;
+} gradient_proof;
+
+typedef struct run {
+    int64_t n_weights, n_control, n; /* the unknowns x = (weights, controller parameters), n = both */
+    int fixed_control;
+    double omega0;         /* rad/s: natural frequency of the controller, the scale of its omega */
+    double* x;             /* [n]: the design of the next iteration */
+    double* first_moment;  /* [n] of Adam */
+    double* second_moment; /* [n] */
+    double* rates;         /* [n] */
+    double* best_x;        /* [n]: the design of lowest loss so far */
+    double best_loss;
+    int64_t best_iteration; /* 0: none yet */
+    int64_t iteration;      /* finished iterations */
+    double seconds;         /* wall time spent so far, interrupted sessions included */
+    history_row* rows;      /* [iteration] */
+    double* row_x;          /* [iteration][n]: the design evaluated in each */
+    int64_t capacity;
+    gradient_proof proof_weights, proof_control; /* at the initial design */
+} run;
+
+/* A run at its start. `theta` [n_control] are the controller's initial parameters, (a, omega, phi) per signal.
+ * DONE or FAILED (said). */
+int run_create(run* r, const double* weights, int64_t n_weights, const double* theta, int64_t n_control, double omega0,
+               int fixed_control);
+void run_free(run* r);
+/* Room for one more row. DONE or FAILED. */
+int run_reserve(run* r);
+/* Records an evaluation of r->x, remembers the best, and moves x by one Adam step along `gradient` [n], back onto the
+ * simplex and into the controller's bounds. */
+int run_advance(run* r, const history_row* row, const double* gradient);
+/* 1 when neither loss nor design moved by more than 1e-6 for several iterations. */
+int run_converged(const run* r);
+
+#endif

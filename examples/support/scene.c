@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT
+ * The swimmer in its water. Material, water and muscles keep the library's defaults. */
+#include "scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "interrupt.h"
+#include "say.h"
+
+static int travel(dqa_objective_term* term) {
+    const dqa_status status = dqa_objective_term_init(term, sizeof *term);
+    if (status == DQA_SUCCESS) {
+        term->kind = DQA_OBJECTIVE_TRAVEL;
+        term->weight = 1.0;
+    }
+    return say_status(status, "set up the objective");
+}
+
+static int build_space(scene* s, const options* o, progress* p) {
+    dqa_shape_space_options settings;
+    int outcome = say_status(dqa_shape_space_options_init(&settings, sizeof settings), "set up the shape space");
+    if (outcome != DONE) return outcome;
+    settings.cells_x = o->grid[0];
+    settings.cells_y = o->grid[1];
+    settings.cells_z = o->grid[2];
+    settings.threads = o->threads;
+    settings.cancel = s->cancel;
+    outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
+    progress_stage(p, PROGRESS_SPACE);
+    for (int32_t i = 0; i < o->n_meshes && outcome == DONE; ++i) {
+        char doing[512];
+        (void)snprintf(doing, sizeof doing, "use the mesh %s", o->meshes[i]);
+        outcome = say_status(dqa_shape_space_add_mesh_file(s->space, o->meshes[i], NULL), doing);
+        if (outcome == DONE && interrupted()) outcome = INTERRUPTED;
+    }
+    if (outcome == DONE)
+        outcome = say_status(dqa_shape_space_build(s->space, progress_callback, p), "build the shape space");
+    if (outcome == DONE) progress_stage_done(p);
+    return outcome;
+}
+
+static int build_simulator(scene* s, const options* o) {
+    dqa_shape_space_info info;
+    dqa_simulator_options settings;
+    int outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
+    if (outcome == DONE)
+        outcome = say_status(dqa_simulator_options_init(&settings, sizeof settings), "set up the simulator");
+    if (outcome != DONE) return outcome;
+    s->n_weights = info.n_bases;
+    s->steps = o->steps;
+    settings.time_step = SCENE_TIME_STEP;
+    settings.threads = o->threads;
+    settings.cancel = s->cancel;
+    outcome = say_status(dqa_simulator_create(s->space, &settings, &s->simulator), "create the simulator");
+    if (outcome == DONE)
+        outcome = say_status(dqa_controller_create_sinusoid(info.n_signals, SCENE_TIME_STEP, &s->controller),
+                             "create the controller");
+    if (outcome == DONE)
+        outcome = say_status(dqa_controller_n_parameters(s->controller, &s->n_control), "read the controller");
+    if (outcome == DONE) outcome = say_status(dqa_tape_create(s->simulator, NULL, &s->tape), "create the tape");
+    return outcome;
+}
+
+int scene_create(scene* s, const options* o, progress* p) {
+    int outcome;
+    memset(s, 0, sizeof *s);
+    outcome = say_status(dqa_cancel_token_create(&s->cancel), "create the cancel token");
+    if (outcome == DONE) outcome = interrupt_install(s->cancel);
+    if (outcome == DONE) outcome = build_space(s, o, p);
+    if (outcome == DONE) outcome = build_simulator(s, o);
+    return outcome;
+}
+
+void scene_free(scene* s) {
+    interrupt_remove();
+    dqa_tape_free(s->tape);
+    dqa_controller_free(s->controller);
+    dqa_simulator_free(s->simulator);
+    dqa_shape_space_free(s->space);
+    dqa_cancel_token_free(s->cancel);
+    memset(s, 0, sizeof *s);
+}
+
+int scene_set(scene* s, const double* x, progress* p) {
+    int outcome;
+    progress_stage(p, PROGRESS_SETUP);
+    outcome =
+        say_status(dqa_simulator_set_weights(s->simulator, x, s->n_weights, progress_callback, p), "set the design");
+    if (outcome == DONE)
+        outcome = say_status(dqa_controller_set_parameters(s->controller, x + s->n_weights, s->n_control),
+                             "set the controller");
+    if (outcome == DONE) progress_stage_done(p);
+    return outcome;
+}
+
+int scene_swim(scene* s, const double* x, progress* p) {
+    int outcome = scene_set(s, x, p);
+    if (outcome == DONE) outcome = say_status(dqa_tape_clear(s->tape), "clear the tape");
+    if (outcome != DONE) return outcome;
+    progress_stage(p, PROGRESS_FORWARD);
+    outcome =
+        say_status(dqa_simulator_rollout(s->simulator, s->controller, s->steps, s->tape, progress_callback, p), "swim");
+    if (outcome == DONE) progress_stage_done(p);
+    return outcome;
+}
+
+static int statistics_of(const scene* s, dqa_tape_statistics* statistics) {
+    return say_status(dqa_tape_stats(s->tape, statistics, sizeof *statistics), "read the tape's statistics");
+}
+
+static int sweep_back(scene* s, const dqa_objective_term* term, double* gradient, progress* p) {
+    dqa_adjoint* adjoint = NULL;
+    int outcome = say_status(dqa_adjoint_create(s->tape, &adjoint), "create the adjoint");
+    progress_stage(p, PROGRESS_BACKWARD);
+    if (outcome == DONE) outcome = say_status(dqa_adjoint_seed_objective(adjoint, term, 1), "seed the adjoint");
+    if (outcome == DONE)
+        outcome = say_status(dqa_adjoint_backward(adjoint, 0, progress_callback, p), "compute the gradient");
+    if (outcome == DONE)
+        outcome = say_status(dqa_adjoint_get(adjoint, DQA_WRT_WEIGHTS, gradient, s->n_weights),
+                             "read the gradient of the weights");
+    if (outcome == DONE)
+        outcome = say_status(dqa_adjoint_get(adjoint, DQA_WRT_CONTROL, gradient + s->n_weights, s->n_control),
+                             "read the gradient of the controller");
+    if (outcome == DONE) progress_stage_done(p);
+    dqa_adjoint_free(adjoint);
+    return outcome;
+}
+
+static double norm(const double* x, int64_t n) {
+    double sum = 0.0;
+    for (int64_t i = 0; i < n; ++i) sum += x[i] * x[i];
+    return sqrt(sum);
+}
+
+int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p) {
+    const double started = progress_clock();
+    dqa_objective_term term;
+    dqa_tape_statistics before, after; /* the adjoint's count adds up over all sweeps of a tape */
+    int outcome = travel(&term);
+    memset(row, 0, sizeof *row);
+    if (outcome == DONE) outcome = scene_swim(s, x, p);
+    if (outcome == DONE)
+        outcome = say_status(dqa_tape_objective(s->tape, &term, 1, &row->loss, NULL), "evaluate the loss");
+    if (outcome == DONE) outcome = statistics_of(s, &before);
+    if (outcome == DONE) outcome = sweep_back(s, &term, gradient, p);
+    if (outcome == DONE) outcome = statistics_of(s, &after);
+    if (outcome != DONE) return outcome;
+    row->gradient_weights = norm(gradient, s->n_weights);
+    row->gradient_control = norm(gradient + s->n_weights, s->n_control);
+    row->newton_iterations = after.newton_iterations;
+    row->linear_iterations = after.linear_iterations;
+    row->adjoint_iterations = after.adjoint_iterations - before.adjoint_iterations;
+    row->seconds = progress_clock() - started;
+    if (!isfinite(row->loss) || !isfinite(row->gradient_weights) || !isfinite(row->gradient_control)) {
+        say("the loss or its gradient is not a finite number");
+        return FAILED;
+    }
+    return DONE;
+}
+
+static int prove_one(scene* s, int32_t with_respect_to, const char* doing, gradient_proof* proof) {
+    dqa_objective_term term;
+    dqa_gradient_check_options settings;
+    int outcome = travel(&term);
+    if (outcome == DONE)
+        outcome = say_status(dqa_gradient_check_options_init(&settings, sizeof settings), "set up the gradient check");
+    if (outcome != DONE) return outcome;
+    settings.with_respect_to = with_respect_to;
+    settings.n_steps = SCENE_PROOF_STEPS;
+    memset(&proof->report, 0, sizeof proof->report);
+    outcome = say_status(
+        dqa_check_gradient(s->simulator, s->controller, &term, 1, &settings, &proof->report, sizeof proof->report),
+        doing);
+    if (outcome == DONE && interrupted()) outcome = INTERRUPTED;
+    if (outcome == DONE) proof->present = 1;
+    return outcome;
+}
+
+int scene_prove(scene* s, const double* x, gradient_proof* weights, gradient_proof* control, progress* p) {
+    int outcome = scene_set(s, x, p);
+    progress_stage(p, PROGRESS_PROOF);
+    if (outcome == DONE && s->n_weights > 1)
+        outcome = prove_one(s, DQA_WRT_WEIGHTS, "check the gradient of the weights", weights);
+    if (outcome == DONE) outcome = prove_one(s, DQA_WRT_CONTROL, "check the gradient of the controller", control);
+    if (outcome == DONE) progress_stage_done(p);
+    return outcome;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT
+ * The swimmer in its water: shape space, simulator, controller and tape, and the loss with its gradient. */
+#ifndef DQA_EXAMPLES_SCENE_H
+#define DQA_EXAMPLES_SCENE_H
+
+#include "diffaqua.h"
+#include "options.h"
+#include "progress.h"
+#include "run.h"
+
+#define SCENE_TIME_STEP (1.0 / 30.0) /* s */
+#define SCENE_PI 3.14159265358979323846
+#define SCENE_OMEGA0 (SCENE_PI / (6.0 * SCENE_TIME_STEP)) /* rad/s: a period of 12 steps */
+
+#define SCENE_PROOF_STEPS 10 /* of the rollout whose gradient is checked */
+
+typedef struct scene {
+    dqa_cancel_token* cancel;
+    dqa_shape_space* space;
+    dqa_simulator* simulator;
+    dqa_controller* controller;
+    dqa_tape* tape;
+    int64_t n_weights;
+    int64_t n_control;
+    int64_t steps;
+} scene;
+
+/* Reads the meshes and builds everything. Every function here returns DONE, FAILED (said) or INTERRUPTED. */
+int scene_create(scene* s, const options* o, progress* p);
+void scene_free(scene* s);
+/* Makes x = (weights, controller parameters) the current design, at rest. */
+int scene_set(scene* s, const double* x, progress* p);
+/* Swims: scene_set, then a recorded rollout. */
+int scene_swim(scene* s, const double* x, progress* p);
+/* Loss (travel, m) of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
+int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
+/* Proves the gradient at x by the library's finite differences; skipped for a single base, which cannot vary. */
+int scene_prove(scene* s, const double* x, gradient_proof* weights, gradient_proof* control, progress* p);
+
+#endif

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT
+ * Where the shapes that come with the examples lie. */
+#ifndef DQA_EXAMPLES_SHAPES_H
+#define DQA_EXAMPLES_SHAPES_H
+
+#include <stdint.h>
+
+int32_t shapes_count(void);
+/* Path of a shipped mesh in new memory; NULL (said) when the folder cannot be found. Looks into the environment
+ * variable DQA_SHAPES_DIR, then the folder known at build time, then folders beside the executable. */
+char* shapes_path(int32_t index);
+
+#endif

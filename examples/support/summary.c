@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT
+ * summary.json. */
+#include "summary.h"
+
+#include "json.h"
+#include "machine.h"
+#include "output.h"
+#include "say.h"
+
+static void write_settings(json* j, const options* o, const run* r) {
+    json_open(j, "settings", '{');
+    json_open(j, "grid", '[');
+    for (int i = 0; i < 3; ++i) json_integer(j, NULL, o->grid[i]);
+    json_close(j, ']');
+    json_integer(j, "iterations", o->iterations);
+    json_integer(j, "steps", o->steps);
+    json_number(j, "time_step", SCENE_TIME_STEP);
+    json_boolean(j, "fixed_control", o->fixed_control);
+    json_boolean(j, "quick", o->quick);
+    json_boolean(j, "shipped_shapes", o->shipped);
+    json_string(j, "objective", "travel");
+    json_string(j, "optimizer", "adam, weights projected onto the simplex");
+    json_number(j, "rate_weights", r->rates[0]);
+    json_number(j, "rate_amplitude_phase", r->rates[0]);
+    json_number(j, "rate_omega", r->n_control > 1 ? r->rates[r->n_weights + 1] : 0.0);
+    json_open(j, "meshes", '[');
+    for (int32_t i = 0; i < o->n_meshes; ++i) json_string(j, NULL, o->meshes[i]);
+    json_close(j, ']');
+    json_open(j, "initial_weights", '[');
+    for (int32_t i = 0; i < o->n_meshes; ++i) json_number(j, NULL, o->weights[i]);
+    json_close(j, ']');
+    json_close(j, '}');
+}
+
+static void write_numbers(json* j, const char* key, const double* x, int64_t n) {
+    json_open(j, key, '[');
+    for (int64_t i = 0; i < n; ++i) json_number(j, NULL, x[i]);
+    json_close(j, ']');
+}
+
+static void write_design(json* j, const char* key, const run* r, int64_t iteration) {
+    const double* x = r->row_x + (iteration - 1) * r->n;
+    json_open(j, key, '{');
+    json_integer(j, "iteration", iteration);
+    json_number(j, "loss", r->rows[iteration - 1].loss);
+    write_numbers(j, "weights", x, r->n_weights);
+    write_numbers(j, "control", x + r->n_weights, r->n_control);
+    json_close(j, '}');
+}
+
+static void write_proof(json* j, const char* key, const gradient_proof* proof) {
+    const dqa_gradient_check_report* c = &proof->report;
+    if (!proof->present) {
+        json_string(j, key, NULL);
+        return;
+    }
+    json_open(j, key, '{');
+    json_number(j, "relative_error", c->relative_error);
+    json_number(j, "adjoint", c->adjoint);
+    json_number(j, "finite_difference", c->finite_difference);
+    json_number(j, "taylor_slope", c->taylor_slope);
+    json_number(j, "gradient_norm", c->gradient_norm);
+    json_number(j, "step", c->step);
+    json_boolean(j, "one_sided", c->one_sided);
+    json_close(j, '}');
+}
+
+static void write_machine(json* j, const options* o) {
+    char processor[256];
+    machine_processor(processor, sizeof processor);
+    json_open(j, "machine", '{');
+    json_string(j, "processor", processor);
+    json_integer(j, "processors", machine_processors());
+    json_integer(j, "threads", o->threads);
+    json_close(j, '}');
+}
+
+static void write_cells(json* j, const options* o, const dqa_simulator_info* info) {
+    json_open(j, "cells", '{');
+    json_integer(j, "box", (int64_t)o->grid[0] * o->grid[1] * o->grid[2]);
+    json_integer(j, "active", info->n_active_cells);
+    json_integer(j, "body", info->n_body_cells);
+    json_integer(j, "muscle", info->n_muscle_cells);
+    json_integer(j, "nodes", info->n_nodes);
+    json_number(j, "cell_size", info->cell_size);
+    json_number(j, "total_mass", info->total_mass);
+    json_number(j, "volume", info->volume);
+    json_close(j, '}');
+}
+
+int summary_write(const run* r, const options* o, const scene* s, int converged, const char* folder) {
+    dqa_simulator_info info;
+    output_file file;
+    json j;
+    int outcome = say_status(dqa_simulator_get_info(s->simulator, &info, sizeof info), "read the simulator");
+    if (outcome == DONE) outcome = output_open(&file, folder, SUMMARY_FILE);
+    if (outcome != DONE) return outcome;
+    json_begin(&j, file.stream);
+    json_string(&j, "program", "codesign");
+    json_string(&j, "library_version", dqa_version());
+    json_integer(&j, "abi_version", dqa_abi_version());
+    json_string(&j, "library_features", dqa_features());
+    json_string(&j, "status", converged ? "converged" : "all iterations done");
+    json_integer(&j, "iterations", r->iteration);
+    json_number(&j, "seconds", r->seconds);
+    json_number(&j, "loss_first", r->rows[0].loss);
+    json_number(&j, "loss_last", r->rows[r->iteration - 1].loss);
+    json_number(&j, "loss_best", r->best_loss);
+    json_open(&j, "bases", '[');
+    for (int64_t i = 0; i < r->n_weights; ++i) json_string(&j, NULL, dqa_shape_space_base_name(s->space, (int32_t)i));
+    json_close(&j, ']');
+    json_string(&j, "weights_of", "best design");
+    write_numbers(&j, "weights", r->best_x, r->n_weights);
+    write_numbers(&j, "control", r->best_x + r->n_weights, r->n_control);
+    write_design(&j, "first", r, 1);
+    write_design(&j, "best", r, r->best_iteration);
+    write_design(&j, "last", r, r->iteration);
+    json_open(&j, "gradient_check", '{');
+    json_string(&j, "design", "initial");
+    json_integer(&j, "n_steps", SCENE_PROOF_STEPS);
+    write_proof(&j, "weights", &r->proof_weights);
+    write_proof(&j, "control", &r->proof_control);
+    json_close(&j, '}');
+    write_cells(&j, o, &info);
+    write_machine(&j, o);
+    write_settings(&j, o, r);
+    json_end(&j);
+    return output_commit(&file);
+}

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define DQA_KERNEL_TABLE body_kernels_avx512
+#include "body/kernels_source.hpp"

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// The cells that a scene needs, their nodes, and the blocked layout in which kernels walk them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "grid/box.hpp"
+
+namespace dqa {
+
+struct ActiveSet {
+    Box box;
+    std::vector<int> cells;                     // box index of each active cell, ascending
+    std::vector<int> cell_to_active;            // box index -> active index or -1
+    std::vector<int> node_to_active;            // box node -> active node or -1
+    std::vector<std::array<int, 3>> node_ijk;   // grid coordinates of each active node
+    std::vector<std::array<int, 8>> cell_nodes; // active nodes of each cell; corner 4 ix + 2 iy + iz
+
+    int n_cells() const { return static_cast<int>(cells.size()); }
+    int n_nodes() const { return static_cast<int>(node_ijk.size()); }
+    // Rest positions [n_nodes][3] (m).
+    std::vector<double> rest_positions() const;
+};
+
+ActiveSet make_active_set(const Box& box, const std::vector<char>& mask);
+
+// A list of elements (cells; a cell may occur several times) in blocks of 8 lanes, and the transposed map from element
+// forces onto nodes. Summing node by node in element order gives the same bits for any number of threads.
+class BlockLayout {
+public:
+    // element_cells: active cell of each element.
+    BlockLayout(const ActiveSet& set, const std::vector<int>& element_cells);
+
+    int n_elements() const { return n_elements_; }
+    int n_blocks() const { return n_blocks_; }
+    int n_nodes() const { return n_nodes_; }
+    // 3 * node as [block][8 corners][8 lanes]; padding lanes repeat the last element.
+    const int* nodes() const { return nodes_.data(); }
+    // out[node][3] += sum of element forces, laid out [block][8 corners][3][8 lanes].
+    void add_to_nodes(const double* element_force, double* out, int threads) const;
+    // values [n_elements] -> [block][8], padding lanes 0.
+    std::vector<double> blocked(const std::vector<double>& values) const;
+
+private:
+    int n_elements_, n_blocks_, n_nodes_;
+    std::vector<int> nodes_;
+    std::vector<int> start_;  // CSR over nodes
+    std::vector<int> slot_;   // offset of (block, corner, component 0, lane)
+};
+
+}  // namespace dqa

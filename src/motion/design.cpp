@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include "motion/design.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "grid/error.hpp"
+#include "linalg/nested_dissection.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr double kNegligibleMuscle = 1e-12;  // membership below which a cell carries no fibre
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Scalar Laplacian of a unit Q1 cube, integral of grad N_a . grad N_b, times dx afterwards; and its part along x.
+// Separable: 1-D stiffness (+-1) and mass (1/3, 1/6).
+double cube_laplacian(int a, int b, int axis) {
+    double value = 1.0;
+    for (int k = 0; k < 3; ++k) {
+        const bool same = ((a >> (2 - k)) & 1) == ((b >> (2 - k)) & 1);
+        value *= k == axis ? (same ? 1.0 : -1.0) : (same ? 1.0 / 3.0 : 1.0 / 6.0);
+    }
+    return value;
+}
+
+}  // namespace
+
+Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double>& weights,
+               const SceneSettings& scene, const std::function<void(int, double)>& monitor)
+    : space_(std::move(space)), scene_(scene), occupancy_law_(scene.threshold, scene.occupancy_floor) {
+    const auto start = std::chrono::steady_clock::now();
+    point_ = space_->evaluate(weights, scene.shape_tolerance, scene.threads, monitor);
+    barycenter_seconds_ = seconds_since(start);
+    const Box& box = space_->box();
+    std::vector<char> mask(point_.p_hat.size());
+    for (std::size_t c = 0; c < mask.size(); ++c) mask[c] = occupancy_law_.active(point_.p_hat[c]);
+    set_ = make_active_set(box, mask);
+    if (set_.n_cells() == 0) fail(Status::ERROR_ARGUMENT, "threshold is %g: no cell is left to simulate", scene.threshold);
+    rest_ = set_.rest_positions();
+    const double node_mass = scene.density * box.dx * box.dx * box.dx / 8.0;
+    std::vector<double> mu;
+    mass_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
+    for (int a = 0; a < set_.n_cells(); ++a) {
+        const double g = occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(set_.cells[static_cast<std::size_t>(a)])]);
+        occupancy_.push_back(g);
+        mu.push_back(scene.shear_modulus() * g);
+        for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)]) mass_[static_cast<std::size_t>(n)] += node_mass * g;
+    }
+    make_muscles();
+    body_ = std::make_unique<Body>(set_, mu, muscles_, scene.contraction, scene.instructions);
+    if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
+    sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
+    make_spine();
+    make_factor();
+    surface_ = extract_isosurface(box, point_.p_hat.data(), 0.5);
+    for (const Vec3& x : surface_.vertices) {
+        const MaterialPoint p = locate(set_, x, 1, true);
+        embedding_.push_back({p.node, p.weight});
+    }
+}
+
+void Design::make_muscles() {
+    const Box& box = space_->box();
+    for (std::size_t k = 0; k < point_.actuators.size(); ++k) {
+        const ActuatorPoint& actuator = point_.actuators[k];
+        if (!(actuator.strength > 0)) continue;
+        const ActuatorRegion region(actuator, box.dx);
+        for (int a = 0; a < set_.n_cells(); ++a) {
+            const Vec3 x = box.cell_centre(set_.cells[static_cast<std::size_t>(a)]);
+            const double member = region.membership(x);
+            if (member < kNegligibleMuscle) continue;
+            // An antagonistic pair split at the mid-plane: left (y > 0) contracts for a positive signal.
+            for (const double sign : {1.0, -1.0}) {
+                const double side = smooth_step(sign * x[1] / box.dx + 0.5);
+                if (side <= 0.0) continue;
+                MuscleEntry m;
+                m.cell = a;
+                m.signal = static_cast<int>(k);
+                m.sign = sign;
+                m.direction = {1.0, 0.0, 0.0};
+                m.weight = scene_.muscle_stiffness * occupancy_[static_cast<std::size_t>(a)] * member * side * actuator.strength;
+                muscles_.push_back(m);
+                origins_.push_back({a, static_cast<int>(k), side, member});
+            }
+        }
+    }
+}
+
+// Rest occupancy at the nodes of the plane y = 0 (of the two nearest planes, half each, when the box has an odd number
+// of cells across): hat function of width dx.
+void Design::make_spine() {
+    const Box& box = space_->box();
+    spine_hat_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
+    spine_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
+    for (int n = 0; n < n_nodes(); ++n)
+        spine_hat_[static_cast<std::size_t>(n)] =
+            std::max(0.0, 1.0 - std::fabs(rest_[3 * static_cast<std::size_t>(n) + 1]) / box.dx);
+    double sum = 0.0;
+    for (int a = 0; a < set_.n_cells(); ++a)
+        for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)]) {
+            const double w = spine_hat_[static_cast<std::size_t>(n)] * occupancy_[static_cast<std::size_t>(a)] / 8.0;
+            spine_[static_cast<std::size_t>(n)] += w;
+            sum += w;
+        }
+    if (!(sum > 0)) fail(Status::ERROR_ARGUMENT, "the design has no spine: no active node near the plane y = 0");
+}
+
+// Projective-dynamics matrix (Bouaziz et al. 2014): M/h^2 + sum of weights G^T G, one scalar matrix for all three
+// directions. Muscles add their stiffness along the fibre, averaged over the three directions.
+void Design::make_factor() {
+    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step), dx = space_->box().dx;
+    const int n = n_nodes();
+    std::vector<double> muscle(static_cast<std::size_t>(set_.n_cells()), 0.0);
+    for (const MuscleEntry& m : muscles_) muscle[static_cast<std::size_t>(m.cell)] += m.weight;
+    // Lower triangle by columns on the 27-point stencil: slot of each neighbour offset with a larger node index.
+    std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(n));
+    diagonal_.assign(static_cast<std::size_t>(n), 0.0);
+    double local[2][8][8];
+    for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b) {
+            local[1][a][b] = cube_laplacian(a, b, 0) * dx;
+            local[0][a][b] = local[1][a][b] + (cube_laplacian(a, b, 1) + cube_laplacian(a, b, 2)) * dx;
+        }
+    for (int c = 0; c < set_.n_cells(); ++c) {
+        const double w = 2.0 * scene_.shear_modulus() * occupancy_[static_cast<std::size_t>(c)];
+        const double wm = muscle[static_cast<std::size_t>(c)] / 3.0;
+        const auto& nodes = set_.cell_nodes[static_cast<std::size_t>(c)];
+        for (std::size_t a = 0; a < 8; ++a)
+            for (std::size_t b = 0; b < 8; ++b) {
+                const int row = nodes[a], column = nodes[b];
+                if (row < column) continue;
+                const double value = w * local[0][a][b] + wm * local[1][a][b];
+                if (row == column) {
+                    diagonal_[static_cast<std::size_t>(row)] += value;
+                    continue;
+                }
+                auto& entries = columns[static_cast<std::size_t>(column)];
+                const auto at = std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == row; });
+                if (at == entries.end())
+                    entries.emplace_back(row, value);
+                else
+                    at->second += value;
+            }
+    }
+    SymmetricMatrix matrix;
+    matrix.n = n;
+    matrix.start.push_back(0);
+    for (int j = 0; j < n; ++j) {
+        diagonal_[static_cast<std::size_t>(j)] += mass_[static_cast<std::size_t>(j)] * inv_h2;
+        matrix.row.push_back(j);
+        matrix.value.push_back(diagonal_[static_cast<std::size_t>(j)]);
+        auto& entries = columns[static_cast<std::size_t>(j)];
+        std::sort(entries.begin(), entries.end());
+        for (const auto& [row, value] : entries) matrix.row.push_back(row), matrix.value.push_back(value);
+        matrix.start.push_back(static_cast<int>(matrix.row.size()));
+    }
+    factor_ = std::make_unique<PackedFactor>(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.instructions);
+}
+
+const Isosurface& Design::surface() const { return surface_; }
+
+std::vector<Vec3> Design::carry_surface(const double* q) const {
+    std::vector<Vec3> out;
+    out.reserve(embedding_.size());
+    for (const Embedding& e : embedding_) {
+        Vec3 x{};
+        for (std::size_t n = 0; n < 8; ++n)
+            for (std::size_t k = 0; k < 3; ++k) x[k] += e.weight[n] * q[3 * static_cast<std::size_t>(e.node[n]) + k];
+        out.push_back(x);
+    }
+    return out;
+}
+
+int Design::n_body_cells() const {
+    return static_cast<int>(std::count_if(point_.p_hat.begin(), point_.p_hat.end(), [](double p) { return p > 0.5; }));
+}
+
+int Design::n_muscle_cells() const {
+    std::vector<int> cells;
+    for (const MuscleEntry& m : muscles_) cells.push_back(m.cell);
+    std::sort(cells.begin(), cells.end());
+    return static_cast<int>(std::unique(cells.begin(), cells.end()) - cells.begin());
+}
+
+DesignBar Design::zero_bar() const {
+    DesignBar bar;
+    bar.mu.assign(occupancy_.size(), 0.0);
+    bar.occupancy.assign(occupancy_.size(), 0.0);
+    bar.mass.assign(mass_.size(), 0.0);
+    bar.spine.assign(mass_.size(), 0.0);
+    bar.muscle_weight.assign(muscles_.size(), 0.0);
+    return bar;
+}
+
+std::vector<double> Design::weights_bar(const DesignBar& bar, const std::function<void(int, double)>& monitor) const {
+    const Box& box = space_->box();
+    const double node_mass = scene_.density * box.dx * box.dx * box.dx / 8.0;
+    std::vector<double> occupancy_bar(bar.occupancy);
+    for (std::size_t a = 0; a < occupancy_.size(); ++a) {
+        occupancy_bar[a] += scene_.shear_modulus() * bar.mu[a];
+        for (const int node : set_.cell_nodes[a]) {
+            const std::size_t n = static_cast<std::size_t>(node);
+            occupancy_bar[a] += node_mass * bar.mass[n] + spine_hat_[n] / 8.0 * bar.spine[n];
+        }
+    }
+    std::vector<ActuatorPoint> actuators_bar(point_.actuators.size());
+    for (std::size_t k = 0; k < point_.actuators.size(); ++k) {
+        if (!(point_.actuators[k].strength > 0)) continue;
+        const ActuatorRegion region(point_.actuators[k], box.dx);
+        for (std::size_t e = 0; e < muscles_.size(); ++e) {
+            const MuscleOrigin& o = origins_[e];
+            if (o.category != static_cast<int>(k)) continue;
+            const std::size_t a = static_cast<std::size_t>(o.cell);
+            const double scale = scene_.muscle_stiffness * o.side * bar.muscle_weight[e];
+            const double strength = point_.actuators[k].strength;
+            occupancy_bar[a] += scale * o.membership * strength;
+            actuators_bar[k].strength += scale * o.membership * occupancy_[a];
+            region.membership_pullback(box.cell_centre(set_.cells[a]), scale * occupancy_[a] * strength, actuators_bar[k]);
+        }
+    }
+    std::vector<double> p_hat_bar(point_.p_hat.size(), 0.0);
+    for (std::size_t a = 0; a < occupancy_.size(); ++a) {
+        const std::size_t c = static_cast<std::size_t>(set_.cells[a]);
+        p_hat_bar[c] += occupancy_bar[a] * occupancy_law_.derivative(point_.p_hat[c]);
+    }
+    sensors_.place_pullback(bar.head_x, bar.tail_x, p_hat_bar.data());
+    return space_->pullback(point_, p_hat_bar.data(), actuators_bar, scene_.shape_tolerance, scene_.threads, monitor);
+}
+
+}  // namespace dqa

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// One design, ready to simulate: everything that follows from the weights alpha and stays fixed during a rollout
+// (active cells, occupancy, mass, muscles, faces, spine, sensors, preconditioner), and the way back from cotangents of
+// these to dL/dalpha. Immutable; shared by simulator and tapes.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "body/body.hpp"
+#include "grid/active_set.hpp"
+#include "linalg/packed_factor.hpp"
+#include "motion/scene.hpp"
+#include "motion/sensors.hpp"
+#include "shape/isosurface.hpp"
+#include "shape/shape_space.hpp"
+#include "water/water.hpp"
+
+namespace dqa {
+
+// Cotangents of what a design provides; zero-initialised by Design::zero_bar.
+struct DesignBar {
+    std::vector<double> mu;             // [n_cells] shear modulus
+    std::vector<double> mass;           // [n_nodes]
+    std::vector<double> muscle_weight;  // [n_muscles]
+    std::vector<double> occupancy;      // [n_cells] through the water's faces
+    std::vector<double> spine;          // [n_nodes]
+    double head_x = 0.0, tail_x = 0.0;  // sensors
+};
+
+class Design {
+public:
+    Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double>& weights, const SceneSettings& scene,
+           const std::function<void(int, double)>& monitor);
+
+    const ShapeSpace& space() const { return *space_; }
+    const SceneSettings& scene() const { return scene_; }
+    const ShapePoint& point() const { return point_; }
+    const ActiveSet& set() const { return set_; }
+    int n_nodes() const { return set_.n_nodes(); }
+    int n_signals() const { return static_cast<int>(space_->categories().size()); }
+    const std::vector<double>& rest() const { return rest_; }              // [n_nodes][3] m
+    const std::vector<double>& occupancy() const { return occupancy_; }    // [n_cells]
+    const std::vector<double>& mass() const { return mass_; }              // [n_nodes] kg
+    const std::vector<double>& spine() const { return spine_; }            // [n_nodes], sums to 1 only after division
+    const Body& body() const { return *body_; }
+    const Water* water() const { return water_.get(); }                    // null without water
+    const PackedFactor& factor() const { return *factor_; }
+    const std::vector<double>& stiffness_diagonal() const { return diagonal_; }  // of the factorised matrix, [n_nodes]
+    const Sensors& sensors() const { return sensors_; }
+    const Isosurface& surface() const;   // of p_hat = 1/2, at rest
+    // Vertices of the surface carried by nodal positions q.
+    std::vector<Vec3> carry_surface(const double* q) const;
+    double barycenter_seconds() const { return barycenter_seconds_; }
+    int n_body_cells() const;    // density above 1/2
+    int n_muscle_cells() const;  // cells with at least one fibre
+
+    DesignBar zero_bar() const;
+    // dL/dalpha, mean-free.
+    std::vector<double> weights_bar(const DesignBar& bar, const std::function<void(int, double)>& monitor) const;
+
+private:
+    void make_muscles();
+    void make_factor();
+    void make_spine();
+
+    std::shared_ptr<const ShapeSpace> space_;
+    SceneSettings scene_;
+    ShapePoint point_;
+    Occupancy occupancy_law_;
+    ActiveSet set_;
+    std::vector<double> rest_, occupancy_, mass_, spine_, spine_hat_, diagonal_;
+    struct MuscleOrigin {
+        int cell, category;
+        double side, membership;
+    };
+    std::vector<MuscleEntry> muscles_;
+    std::vector<MuscleOrigin> origins_;
+    std::unique_ptr<Body> body_;
+    std::unique_ptr<Water> water_;
+    std::unique_ptr<PackedFactor> factor_;
+    Sensors sensors_;
+    double barycenter_seconds_ = 0.0;
+    struct Embedding {
+        std::array<int, 8> node;
+        std::array<double, 8> weight;
+    };
+    Isosurface surface_;
+    std::vector<Embedding> embedding_;
+};
+
+}  // namespace dqa

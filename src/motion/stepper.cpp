@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+#include "motion/stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "grid/error.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr double kNoise = 200.0;  // residuals below this multiple of the rounding level may stagnate
+
+double norm(const double* a, std::size_t n) { return std::sqrt(ordered_dot(a, a, n)); }
+
+}  // namespace
+
+Stepper::Stepper(std::shared_ptr<const Design> design)
+    : design_(std::move(design)), scene_(design_->scene()), size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
+    for (auto* v : {&y_, &q_old_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_}) v->assign(size_, 0.0);
+}
+
+void Stepper::begin(const double* q, const double* v) {
+    std::copy(q, q + size_, q_old_.begin());
+    double noise2 = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+        y_[i] = q[i] + scene_.time_step * v[i];
+        // Positions are known to one rounding; the stiffness turns it into a force that no iteration can remove.
+        const double force = design_->stiffness_diagonal()[i / 3] * q[i];
+        noise2 += force * force;
+    }
+    noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
+    if (const Water* water = design_->water())
+        water->lag(water_, q, v, design_->sensors().direction(q), scene_.threads);
+}
+
+Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
+    Evaluation e;
+    e.energy = design_->body().gradient(body_, q_new, signals, scene_.threads, elastic_.data(), muscle_.data());
+    e.scale = norm(elastic_.data(), size_) + norm(muscle_.data(), size_);
+    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
+    double inertia = 0.0, inertia2 = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+        const double d = q_new[i] - y_[i], f = design_->mass()[i / 3] * inv_h2 * d;
+        inertia += 0.5 * f * d, inertia2 += f * f;
+        gradient_[i] = f;
+    }
+    e.energy += inertia;
+    e.scale += std::sqrt(inertia2);
+    if (const Water* water = design_->water()) {
+        std::fill(trial_.begin(), trial_.end(), 0.0);
+        e.energy += water->gradient(water_, q_new, q_old_.data(), scene_.time_step, scene_.threads, trial_.data());
+        e.scale += norm(trial_.data(), size_);
+        for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
+    }
+    for (std::size_t i = 0; i < size_; ++i) gradient_[i] += elastic_[i] + muscle_[i];
+    e.residual = norm(gradient_.data(), size_);
+    e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
+    return e;
+}
+
+void Stepper::apply_hessian(const double* p, double* out) {
+    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
+    for (std::size_t i = 0; i < size_; ++i) out[i] = design_->mass()[i / 3] * inv_h2 * p[i];
+    design_->body().product(body_, p, scene_.threads, out);
+    if (const Water* water = design_->water()) water->product(water_, p, scene_.time_step, scene_.threads, out);
+}
+
+// The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
+// yield all of it, from the same kernel that the iterative solver uses.
+SymmetricMatrix Stepper::assemble() {
+    const auto& nodes = design_->set().node_ijk;
+    const Box& box = design_->space().box();
+    SymmetricMatrix m;
+    m.n = static_cast<int>(size_);
+    std::vector<std::vector<std::pair<int, double>>> columns(size_);
+    std::vector<double> probe(size_), out(size_);
+    for (int colour = 0; colour < 27; ++colour)
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto of_colour = [&](const std::array<int, 3>& ijk) {
+                return (ijk[0] % 3) * 9 + (ijk[1] % 3) * 3 + ijk[2] % 3 == colour;
+            };
+            std::fill(probe.begin(), probe.end(), 0.0);
+            for (std::size_t n = 0; n < nodes.size(); ++n)
+                if (of_colour(nodes[n])) probe[3 * n + static_cast<std::size_t>(axis)] = 1.0;
+            apply_hessian(probe.data(), out.data());
+            for (std::size_t n = 0; n < nodes.size(); ++n) {
+                if (!of_colour(nodes[n])) continue;
+                const int column = static_cast<int>(3 * n) + axis;
+                for (int o = 0; o < 27; ++o) {
+                    const int i = nodes[n][0] + o / 9 - 1, j = nodes[n][1] + o / 3 % 3 - 1, k = nodes[n][2] + o % 3 - 1;
+                    if (i < 0 || j < 0 || k < 0 || i > box.cells[0] || j > box.cells[1] || k > box.cells[2]) continue;
+                    const int other = design_->set().node_to_active[static_cast<std::size_t>(box.node(i, j, k))];
+                    if (other < 0) continue;
+                    for (int a = 0; a < 3; ++a) {
+                        const int row = 3 * other + a;
+                        if (row >= column) columns[static_cast<std::size_t>(column)].emplace_back(row, out[static_cast<std::size_t>(row)]);
+                    }
+                }
+            }
+        }
+    m.start.push_back(0);
+    for (auto& c : columns) {
+        std::sort(c.begin(), c.end());
+        for (const auto& [row, value] : c) m.row.push_back(row), m.value.push_back(value);
+        m.start.push_back(static_cast<int>(m.row.size()));
+    }
+    return m;
+}
+
+// direction_ <- -H^-1 gradient_. Returns false if no descent direction came of it (negative curvature at once).
+bool Stepper::newton_direction(double forcing, StepReport& report, bool* truncated) {
+    std::vector<double> b(size_);
+    for (std::size_t i = 0; i < size_; ++i) b[i] = -gradient_[i];
+    *truncated = false;
+    if (scene_.method == Method::newton_direct) {
+        if (!solve_positive(assemble(), b)) return false;
+        direction_ = b;
+        ++report.linear_iterations;
+        return true;
+    }
+    const PcgResult r = pcg(
+        size_, b.data(), direction_.data(), forcing, scene_.max_linear,
+        [&](const double* p, double* out) { apply_hessian(p, out); },
+        [&](const double* in, double* out) { design_->factor().solve(in, out, factor_); }, krylov_);
+    report.linear_iterations += r.iterations;
+    *truncated = r.negative_curvature;
+    // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
+    return r.iterations > 0 && std::isfinite(r.relative_residual);
+}
+
+int Stepper::worst_cell() const {
+    std::size_t worst = 0;
+    double largest = -1.0;
+    for (std::size_t n = 0; n < size_ / 3; ++n) {
+        const double r = norm(gradient_.data() + 3 * n, 3);
+        if (r > largest) largest = r, worst = n;
+    }
+    const auto& set = design_->set();
+    for (std::size_t c = 0; c < set.cell_nodes.size(); ++c)
+        for (const int n : set.cell_nodes[c])
+            if (n == static_cast<int>(worst)) return set.cells[c];
+    return -1;
+}
+
+void Stepper::fail_step(Status status, long step, const char* why, double relative) const {
+    fail(status, "step %ld: %s; relative force residual %.3g (expected <= %.3g), worst at cell %d; a smaller time_step helps",
+         step, why, relative, scene_.tolerance, worst_cell());
+}
+
+StepReport Stepper::step(const double* q, const double* v, const double* signals, long step, double* q_new) {
+    StepReport report;
+    begin(q, v);
+    std::vector<double> x(y_), candidate(size_);
+    Evaluation now = evaluate(x.data(), signals);
+    if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
+    const auto target = [&](const Evaluation& e) { return std::max(scene_.tolerance * e.scale, noise_); };
+    bool force_filter = false;
+    double previous = std::numeric_limits<double>::infinity();
+    while (now.residual > target(now)) {
+        // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
+        if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
+        previous = now.residual;
+        if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
+        if (report.newton_iterations >= scene_.max_newton)
+            fail_step(Status::NOT_CONVERGED, step, "Newton's method reached max_newton", now.residual / now.scale);
+        ++report.newton_iterations;
+        const double relative = now.residual / now.scale;
+        const double forcing = std::max(0.3 * target(now) / now.residual, std::min(0.1, std::sqrt(relative)));
+        bool truncated = false;
+        bool found = false;
+        if (!force_filter) found = newton_direction(forcing, report, &truncated);
+        bool filtered = false;
+        if (!found) {
+            design_->body().filter(body_);
+            filtered = true, ++report.filtered;
+            if (!newton_direction(forcing, report, &truncated))
+                fail_step(Status::NOT_CONVERGED, step, "no descent direction was found", relative);
+        }
+        const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
+        const std::vector<double> gradient_before = gradient_;
+        // Near the solution the energy's change drowns in its rounding; there the residual decides.
+        const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope));
+        bool accepted = false;
+        double t = 1.0;
+        Evaluation next;
+        for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
+            for (std::size_t i = 0; i < size_; ++i) candidate[i] = x[i] + t * direction_[i];
+            next = evaluate(candidate.data(), signals);
+            if (!next.finite) continue;
+            accepted = next.energy <= now.energy + 1e-4 * t * slope ||
+                       (next.energy <= now.energy + energy_noise && next.residual < now.residual);
+            if (accepted) break;
+        }
+        if (!accepted) {
+            now = evaluate(x.data(), signals);
+            if (now.residual <= kNoise * noise_) break;
+            if (filtered || force_filter)
+                fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
+            force_filter = true;  // once more from here with the filtered Hessian
+            continue;
+        }
+        force_filter = false;
+        x.swap(candidate);
+        now = next;
+    }
+    report.residual = now.scale > 0 ? now.residual / now.scale : 0.0;
+    report.inverted = body_.inverted;
+    std::copy(x.begin(), x.end(), q_new);
+    return report;
+}
+
+WaterTotals Stepper::totals(const double* q, const double* q_new) const {
+    const Water* water = design_->water();
+    return water ? water->totals(water_, q_new, q, scene_.time_step) : WaterTotals{};
+}
+
+AdjointReport Stepper::adjoint(const double* q, const double* v, const double* signals, const double* q_new, long step,
+                               const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar,
+                               DesignBar& bar) {
+    AdjointReport report;
+    if (norm(q_new_bar, size_) == 0.0) return report;
+    begin(q, v);
+    evaluate(q_new, signals);
+    const auto residual_of = [&](const std::vector<double>& x) {
+        apply_hessian(x.data(), trial_.data());
+        for (std::size_t i = 0; i < size_; ++i) trial_[i] -= q_new_bar[i];
+        return norm(trial_.data(), size_) / norm(q_new_bar, size_);
+    };
+    bool solved = false;
+    if (scene_.method == Method::newton_pcg) {
+        const PcgResult r = pcg(
+            size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear,
+            [&](const double* p, double* out) { apply_hessian(p, out); },
+            [&](const double* in, double* out) { design_->factor().solve(in, out, factor_); }, krylov_);
+        report.linear_iterations = r.iterations;
+        report.residual = r.relative_residual;
+        solved = r.converged;
+    }
+    if (!solved) {
+        // The direct solve serves `newton_direct`, and Hessians on which conjugate gradients fail: at a state where the
+        // exact Hessian is indefinite the step's derivative still exists.
+        const SymmetricMatrix h = assemble();
+        lambda_.assign(q_new_bar, q_new_bar + size_);
+        bool good = solve_positive(h, lambda_);
+        if (!good) {
+            lambda_.assign(q_new_bar, q_new_bar + size_);
+            good = solve_indefinite(h, lambda_);
+        }
+        report.direct = true;
+        report.residual = good ? residual_of(lambda_) : 1.0;
+        if (!(report.residual <= std::max(1e-9, scene_.adjoint_tolerance)))
+            fail(Status::NOT_CONVERGED, "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there",
+                 step, report.residual, scene_.adjoint_tolerance);
+    }
+    // r = M (q+ - q - h v) / h^2 + ...: every cotangent is -(dr/d.)^T lambda.
+    const double h = scene_.time_step, inv_h2 = 1.0 / (h * h);
+    for (std::size_t i = 0; i < size_; ++i) {
+        const double m = design_->mass()[i / 3];
+        q_bar[i] += m * inv_h2 * lambda_[i];
+        v_bar[i] += m / h * lambda_[i];
+        bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_h2;
+        lambda_[i] = -lambda_[i];
+    }
+    design_->body().parameter_pullback(body_, q_new, lambda_.data(), scene_.threads, bar.mu.data(),
+                                       bar.muscle_weight.data(), signal_bar);
+    if (const Water* water = design_->water()) {
+        Vec3 spine_bar{};
+        water->pullback(water_, q_new, q_old_.data(), lambda_.data(), h, q_bar, v_bar, spine_bar, bar.occupancy.data());
+        design_->sensors().direction_pullback(q, spine_bar, q_bar, bar.head_x, bar.tail_x);
+    }
+    return report;
+}
+
+}  // namespace dqa

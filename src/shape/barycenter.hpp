@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Wasserstein barycentre of m densities on a box (Solomon et al. 2015, algorithm 2), converged to a marginal error by
+// Anderson acceleration, and its pullback by implicit differentiation of the fixed point.
+//
+// Unknowns x_i = log v_i, [m][n]. One iteration, per base i:
+//   w_i = p_i / (K v_i),  d_i = K w_i,  log p = sum_k alpha_k log d_k,  x_i <- log p - log d_i.
+// Marginal error: max_i sum |v_i d_i - p|: how far plan i is from having p as its marginal.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "shape/gaussian_kernel.hpp"
+
+namespace dqa {
+
+struct BarycenterSettings {
+    double tolerance = 1e-9;
+    int max_iterations = 5000;
+    int window = 15;  // Anderson history; 0: plain iteration
+    int threads = 1;
+    bool force_log = false;  // always the logarithmic kernel (it otherwise takes over where the linear underflows)
+    std::function<void(int iteration, double error)> monitor;  // may throw to cancel
+};
+
+struct Barycenter {
+    int m = 0, n = 0;
+    std::vector<double> weights;  // alpha
+    std::vector<double> p;        // [n], sums to 1 within the marginal error
+    std::vector<double> log_d;    // [m][n]
+    std::vector<double> log_v;    // [m][n]
+    std::vector<double> log_kv;   // [m][n]
+    bool logarithmic = false;     // which kernel form was used
+    int iterations = 0;
+    double marginal_error = 0.0;
+};
+
+// bases [m][n], each >= 0 with sum 1. Throws NOT_CONVERGED.
+Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
+                            const std::vector<double>& weights, const BarycenterSettings& settings);
+
+// dL/dalpha, mean-free, from p_bar = dL/dp [n]. One-sided where alpha_i = 0.
+std::vector<double> barycenter_pullback(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
+                                        const Barycenter& solution, const double* p_bar,
+                                        const BarycenterSettings& settings);
+
+}  // namespace dqa

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "shape/gaussian_kernel.hpp"
+
+#include <cmath>
+#include <Eigen/Dense>
+#include <limits>
+
+namespace dqa {
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using ConstMap = Eigen::Map<const Matrix>;
+using Map = Eigen::Map<Matrix>;
+
+}  // namespace
+
+GaussianKernel::GaussianKernel(const std::array<int, 3>& cells, double sigma)
+    : cells_(cells), inv_two_sigma2_(0.5 / (sigma * sigma)) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        const int n = cells[a];
+        matrix_[a].resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+                matrix_[a][static_cast<std::size_t>(i * n + j)] = std::exp(-inv_two_sigma2_ * (i - j) * (i - j));
+    }
+}
+
+void GaussianKernel::apply(const double* in, double* out, double* scratch) const {
+    const int nx = cells_[0], ny = cells_[1], nz = cells_[2];
+    const ConstMap kx(matrix_[0].data(), nx, nx), ky(matrix_[1].data(), ny, ny), kz(matrix_[2].data(), nz, nz);
+    Map(scratch, nx * ny, nz).noalias() = ConstMap(in, nx * ny, nz) * kz;
+    for (int i = 0; i < nx; ++i)
+        Map(out + static_cast<long>(i) * ny * nz, ny, nz).noalias() =
+            ky * ConstMap(scratch + static_cast<long>(i) * ny * nz, ny, nz);
+    Map(scratch, nx, ny * nz) = ConstMap(out, nx, ny * nz);
+    Map(out, nx, ny * nz).noalias() = kx * ConstMap(scratch, nx, ny * nz);
+}
+
+void GaussianKernel::apply_log(const double* log_in, double* log_out, double* value) const {
+    const std::size_t total = static_cast<std::size_t>(size());
+    std::vector<double> current(log_in, log_in + total);
+    std::vector<double> line, mean;
+    const int stride[3] = {cells_[1] * cells_[2], cells_[2], 1};
+    for (int axis = 2; axis >= 0; --axis) {
+        const int n = cells_[static_cast<std::size_t>(axis)], s = stride[axis];
+        line.resize(static_cast<std::size_t>(n));
+        mean.resize(static_cast<std::size_t>(n));
+        const int lines = static_cast<int>(total) / n;
+        for (int l = 0; l < lines; ++l) {
+            const int first = (l / s) * s * n + l % s;
+            for (int i = 0; i < n; ++i) {
+                double best = -std::numeric_limits<double>::infinity();
+                for (int j = 0; j < n; ++j) {
+                    const double e =
+                        current[static_cast<std::size_t>(first + j * s)] - inv_two_sigma2_ * (i - j) * (i - j);
+                    best = e > best ? e : best;
+                }
+                double sum = 0.0, weighted = 0.0;
+                if (best > -std::numeric_limits<double>::infinity()) {
+                    for (int j = 0; j < n; ++j) {
+                        const double e = current[static_cast<std::size_t>(first + j * s)] -
+                                         inv_two_sigma2_ * (i - j) * (i - j) - best;
+                        if (e < -50.0) continue;  // below 2e-22 of the largest term
+                        const double t = std::exp(e);
+                        sum += t;
+                        if (value) weighted += t * value[first + j * s];
+                    }
+                    line[static_cast<std::size_t>(i)] = best + std::log(sum);
+                    mean[static_cast<std::size_t>(i)] = weighted / sum;
+                } else {
+                    line[static_cast<std::size_t>(i)] = best;
+                    mean[static_cast<std::size_t>(i)] = 0.0;
+                }
+            }
+            for (int i = 0; i < n; ++i) {
+                current[static_cast<std::size_t>(first + i * s)] = line[static_cast<std::size_t>(i)];
+                if (value) value[first + i * s] = mean[static_cast<std::size_t>(i)];
+            }
+        }
+    }
+    for (std::size_t c = 0; c < total; ++c) log_out[c] = current[c];
+}
+
+}  // namespace dqa

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Separable Gaussian kernel K(x, y) = exp(-|x - y|^2 / (2 sigma^2)) on the cells of a box, sigma in cells
+// (convolutional optimal transport, Solomon et al. 2015). Two forms of the same product: linear (fast; underflows
+// beyond about 37 sigma) and logarithmic (slower, any distance).
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace dqa {
+
+class GaussianKernel {
+public:
+    GaussianKernel(const std::array<int, 3>& cells, double sigma);
+
+    int size() const { return cells_[0] * cells_[1] * cells_[2]; }
+
+    // out = K in. `in` and `out` may be the same array. scratch: size() doubles.
+    void apply(const double* in, double* out, double* scratch) const;
+
+    // log_out = log(K exp(log_in)); entries of log_in may be -infinity. If `value` is given, it is replaced by
+    // (K (exp(log_in) value)) / (K exp(log_in)): the mean of `value` under the kernel-weighted measure.
+    void apply_log(const double* log_in, double* log_out, double* value) const;
+
+private:
+    std::array<int, 3> cells_;
+    double inv_two_sigma2_;
+    std::array<std::vector<double>, 3> matrix_;  // [n][n] of each axis, symmetric
+};
+
+}  // namespace dqa

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+#include "shape/shape_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/error.hpp"
+#include "shape/voxelize.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr std::size_t kMaxBases = 256;
+
+// Value of cell-centred data on the line (y, z), at the cell centres along x, by bilinear interpolation.
+double line_value(const Box& box, const double* cells, int i, double y, double z) {
+    const double gy = y / box.dx + 0.5 * box.cells[1] - 0.5, gz = z / box.dx + 0.5 * box.cells[2] - 0.5;
+    const int j = static_cast<int>(std::floor(gy)), k = static_cast<int>(std::floor(gz));
+    const double fy = gy - j, fz = gz - k;
+    double value = 0.0;
+    for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) {
+            if (j + a < 0 || j + a >= box.cells[1] || k + b < 0 || k + b >= box.cells[2]) continue;
+            value += (a ? fy : 1 - fy) * (b ? fz : 1 - fz) * cells[box.cell(i, j + a, k + b)];
+        }
+    return value;
+}
+
+}  // namespace
+
+ShapeSpace::ShapeSpace(const ShapeSettings& settings)
+    : settings_(settings), kernel_(settings.cells, settings.sigma) {
+    box_.cells = settings.cells;
+    box_.dx = settings.cell_size;
+}
+
+void ShapeSpace::require_open(const char* what) const {
+    if (built_) fail(Status::ERROR_STATE, "%s: the shape space is already built; it is frozen from then on", what);
+    if (bases_.size() >= kMaxBases)
+        fail(Status::ERROR_ARGUMENT, "%s: at most %zu bases are supported", what, kMaxBases);
+}
+
+int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
+    require_open("add_mesh");
+    MeshReport report;
+    TriangleMesh cleaned = clean_and_check(mesh, name, &report);
+    orient_up(cleaned, settings_.up);
+    BaseShape base;
+    base.name = name;
+    base.fractions = covered_fractions(cleaned, box_, settings_.margin, settings_.subsamples, settings_.threads,
+                                       &base.length_in_cells);
+    bases_.push_back(std::move(base));
+    return static_cast<int>(bases_.size()) - 1;
+}
+
+int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
+    require_open("add_density");
+    const std::size_t n = static_cast<std::size_t>(box_.n_cells());
+    const int per_slab = box_.cells[1] * box_.cells[2];
+    BaseShape base;
+    base.name = name;
+    base.fractions.assign(cells, cells + n);
+    double sum = 0.0;
+    int first = box_.cells[0], last = -1;
+    for (std::size_t c = 0; c < n; ++c) {
+        if (!(cells[c] >= 0.0 && cells[c] <= 1.0))
+            fail(Status::ERROR_ARGUMENT, "cells[%zu] is %g, expected a covered fraction in [0, 1]", c, cells[c]);
+        sum += cells[c];
+        const int i = static_cast<int>(c) / per_slab;
+        if (cells[c] >= 0.5) first = std::min(first, i), last = std::max(last, i);
+    }
+    if (last < 0)
+        fail(Status::ERROR_ARGUMENT, "cells: no cell is covered by half or more (sum %g), expected a body", sum);
+    base.length_in_cells = last - first + 1;
+    bases_.push_back(std::move(base));
+    return static_cast<int>(bases_.size()) - 1;
+}
+
+void ShapeSpace::add_actuator(int base, const Actuator& actuator) {
+    require_open("add_actuator");
+    if (base < 0 || base >= static_cast<int>(bases_.size()))
+        fail(Status::ERROR_ARGUMENT, "base is %d, expected an index in [0, %zu)", base, bases_.size());
+    if (!(settings_.cell_size > 0))
+        fail(Status::ERROR_STATE,
+             "add_actuator: lengths in metres need a known cell size; set options.cell_size > 0 at creation");
+    for (const Actuator& a : bases_[static_cast<std::size_t>(base)].actuators)
+        if (a.category == actuator.category)
+            fail(Status::ERROR_STATE, "base %d already has an actuator of category %d", base,
+                 static_cast<int>(actuator.category));
+    bases_[static_cast<std::size_t>(base)].actuators.push_back(actuator);
+}
+
+void ShapeSpace::build(const std::function<void(int, int)>& progress) {
+    require_open("build");
+    if (bases_.empty()) fail(Status::ERROR_STATE, "build: the shape space has no bases; add at least one");
+    const int total = static_cast<int>(bases_.size());
+    const Box before = box_;
+    if (progress) progress(0, total);
+    if (!(settings_.cell_size > 0)) {
+        double longest = 0.0;
+        for (const BaseShape& b : bases_) longest = std::max(longest, b.length_in_cells);
+        box_.dx = settings_.body_length / longest;
+    }
+    std::vector<std::vector<Actuator>> given;
+    for (const BaseShape& b : bases_) given.push_back(b.actuators);
+    try {
+        for (int i = 0; i < total; ++i) {
+            BaseShape& b = bases_[static_cast<std::size_t>(i)];
+            if (b.actuators.empty()) b.actuators.push_back(place_caudal(box_, b.fractions));
+            if (progress) progress(i + 1, total);
+        }
+        freeze();
+    } catch (...) {  // a cancelled or failed build leaves the space as it was
+        for (std::size_t i = 0; i < bases_.size(); ++i) bases_[i].actuators = given[i];
+        box_ = before;
+        throw;
+    }
+}
+
+void ShapeSpace::freeze() {
+    densities_.clear();
+    categories_.clear();
+    for (BaseShape& b : bases_) {
+        double sum = 0.0;
+        for (const double f : b.fractions) sum += f;
+        b.density.resize(b.fractions.size());
+        for (std::size_t c = 0; c < b.fractions.size(); ++c) b.density[c] = b.fractions[c] / sum;
+        densities_.push_back(b.density);
+        for (const Actuator& a : b.actuators)
+            if (std::find(categories_.begin(), categories_.end(), a.category) == categories_.end())
+                categories_.push_back(a.category);
+    }
+    std::sort(categories_.begin(), categories_.end());
+    choose_axis();
+    built_ = true;
+}
+
+// The x axis where it runs through every base; else the nearest parallel line that does best, fixed for the space.
+void ShapeSpace::choose_axis() {
+    const auto worst_cover = [&](double y, double z) {
+        double worst = 1e300;
+        for (const BaseShape& b : bases_) {
+            double longest = 0.0;
+            for (int i = 0; i < box_.cells[0]; ++i) longest += line_value(box_, b.fractions.data(), i, y, z) > 0.5;
+            worst = std::min(worst, longest / b.length_in_cells);
+        }
+        return worst;
+    };
+    axis_y_ = axis_z_ = 0.0;
+    double best = worst_cover(0.0, 0.0);
+    if (best >= 0.5) return;
+    const int reach = std::max(box_.cells[1], box_.cells[2]);  // in half cells
+    double best_distance = 0.0;
+    for (int a = -reach; a <= reach; ++a)
+        for (int b = -reach; b <= reach; ++b) {
+            const double y = 0.5 * a * box_.dx, z = 0.5 * b * box_.dx;
+            if (std::fabs(y) > 0.25 * box_.cells[1] * box_.dx || std::fabs(z) > 0.25 * box_.cells[2] * box_.dx) continue;
+            const double cover = std::min(0.75, worst_cover(y, z)), distance = y * y + z * z;
+            if (cover > best + 1e-12 || (cover > best - 1e-12 && distance < best_distance))
+                best = cover, best_distance = distance, axis_y_ = y, axis_z_ = z;
+        }
+}
+
+std::vector<const Actuator*> ShapeSpace::actuators_of(ActuatorCategory category) const {
+    std::vector<const Actuator*> out(bases_.size(), nullptr);
+    for (std::size_t i = 0; i < bases_.size(); ++i)
+        for (const Actuator& a : bases_[i].actuators)
+            if (a.category == category) out[i] = &a;
+    return out;
+}
+
+void ShapeSpace::check_weights(const std::vector<double>& weights) const {
+    if (weights.size() != bases_.size())
+        fail(Status::ERROR_ARGUMENT, "m is %zu, expected %zu: one weight per base", weights.size(), bases_.size());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (!(weights[i] >= 0.0 && std::isfinite(weights[i])))
+            fail(Status::ERROR_ARGUMENT, "weights[%zu] is %g, expected a finite number >= 0", i, weights[i]);
+        sum += weights[i];
+    }
+    if (!(std::fabs(sum - 1.0) <= 1e-9))
+        fail(Status::ERROR_ARGUMENT, "weights sum to %.12g, expected 1 within 1e-9 (see dqa_project_simplex)", sum);
+}
+
+ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double tolerance, int threads,
+                                const std::function<void(int, double)>& monitor) const {
+    if (!built_) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
+    check_weights(weights);
+    BarycenterSettings s;
+    s.tolerance = tolerance > 0 ? tolerance : settings_.tolerance;
+    s.max_iterations = settings_.max_iterations;
+    s.threads = threads > 0 ? threads : settings_.threads;
+    s.monitor = monitor;
+    ShapePoint point;
+    point.barycenter = solve_barycenter(kernel_, densities_, weights, s);
+    point.peak = peak_of(point.barycenter.p, settings_.peak);
+    point.p_hat = point.barycenter.p;
+    for (double& v : point.p_hat) v /= point.peak;
+    for (const ActuatorCategory c : categories_)
+        point.actuators.push_back(interpolate_actuator(actuators_of(c), weights));
+    return point;
+}
+
+std::vector<double> ShapeSpace::pullback(const ShapePoint& point, const double* p_hat_bar,
+                                         const std::vector<ActuatorPoint>& actuators_bar, double tolerance,
+                                         int threads, const std::function<void(int, double)>& monitor) const {
+    BarycenterSettings s;
+    s.tolerance = tolerance > 0 ? tolerance : settings_.tolerance;
+    s.max_iterations = settings_.max_iterations;
+    s.threads = threads > 0 ? threads : settings_.threads;
+    s.monitor = monitor;
+    const std::vector<double> p_bar =
+        normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
+    std::vector<double> bar = barycenter_pullback(kernel_, densities_, point.barycenter, p_bar.data(), s);
+    for (std::size_t k = 0; k < actuators_bar.size(); ++k)
+        interpolate_actuator_pullback(actuators_of(categories_[k]), point.actuators[k], actuators_bar[k], bar);
+    double mean = 0.0;
+    for (const double b : bar) mean += b / static_cast<double>(bar.size());
+    for (double& b : bar) b -= mean;
+    return bar;
+}
+
+}  // namespace dqa

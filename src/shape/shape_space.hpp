@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// The shape space: box, base shapes with actuators, and the map alpha -> (normalised density, actuators) with its
+// pullback. Filled, then frozen by build(); immutable and shareable afterwards.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grid/box.hpp"
+#include "shape/actuator.hpp"
+#include "shape/barycenter.hpp"
+#include "shape/gaussian_kernel.hpp"
+#include "shape/mesh.hpp"
+#include "shape/occupancy.hpp"
+
+namespace dqa {
+
+struct ShapeSettings {
+    std::array<int, 3> cells{60, 16, 26};
+    int margin = 2;
+    int up = 0;
+    int subsamples = 4;
+    Peak peak = Peak::smooth;
+    int max_iterations = 5000;
+    int threads = 1;
+    double body_length = 1.0;  // m
+    double cell_size = 0.0;    // m; 0: from body_length
+    double sigma = 0.5;        // cells
+    double tolerance = 1e-9;
+};
+
+struct BaseShape {
+    std::string name;
+    std::vector<double> fractions;  // covered fraction of each cell
+    std::vector<double> density;    // fractions / sum
+    double length_in_cells = 0.0;
+    std::vector<Actuator> actuators;
+};
+
+// A design's geometry.
+struct ShapePoint {
+    Barycenter barycenter;
+    double peak = 0.0;
+    std::vector<double> p_hat;             // [n_cells]
+    std::vector<ActuatorPoint> actuators;  // one per category of the space
+};
+
+class ShapeSpace {
+public:
+    explicit ShapeSpace(const ShapeSettings& settings);
+
+    int add_mesh(const std::string& name, const TriangleMesh& mesh);
+    int add_fractions(const std::string& name, const double* cells);
+    void add_actuator(int base, const Actuator& actuator);
+    // progress(done, total) may throw to cancel; the space is then still unbuilt.
+    void build(const std::function<void(int, int)>& progress);
+
+    bool built() const { return built_; }
+    const Box& box() const { return box_; }
+    const ShapeSettings& settings() const { return settings_; }
+    const std::vector<BaseShape>& bases() const { return bases_; }
+    const std::vector<ActuatorCategory>& categories() const { return categories_; }
+    // Straight line parallel to x that runs through every base: where sensors sit (m).
+    double axis_y() const { return axis_y_; }
+    double axis_z() const { return axis_z_; }
+
+    // tolerance <= 0: that of the settings. threads <= 0: likewise. monitor(iteration, error) may throw to cancel.
+    ShapePoint evaluate(const std::vector<double>& weights, double tolerance, int threads,
+                        const std::function<void(int, double)>& monitor) const;
+    // Mean-free weights_bar from cotangents of p_hat [n_cells] and of the actuators (as from evaluate; may be empty).
+    std::vector<double> pullback(const ShapePoint& point, const double* p_hat_bar,
+                                 const std::vector<ActuatorPoint>& actuators_bar, double tolerance, int threads,
+                                 const std::function<void(int, double)>& monitor) const;
+
+    void save(const std::string& path) const;
+    static std::shared_ptr<ShapeSpace> load(const std::string& path);
+
+    // weights on the simplex or an ERROR_ARGUMENT that says which entry is off.
+    void check_weights(const std::vector<double>& weights) const;
+
+private:
+    void require_open(const char* what) const;
+    void freeze();  // everything that follows from bases and cell size
+    void choose_axis();
+    std::vector<const Actuator*> actuators_of(ActuatorCategory category) const;
+
+    ShapeSettings settings_;
+    Box box_;
+    GaussianKernel kernel_;
+    std::vector<BaseShape> bases_;
+    std::vector<std::vector<double>> densities_;
+    std::vector<ActuatorCategory> categories_;
+    double axis_y_ = 0.0, axis_z_ = 0.0;
+    bool built_ = false;
+};
+
+}  // namespace dqa

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// A built shape space as a file: magic, version, settings, bases with actuators, checksum. Little-endian doubles, so
+// that a space read back is the same to the last bit. Written to a temporary file beside the target and renamed, so
+// that a full disk or a kill leaves the old file whole.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "grid/error.hpp"
+#include "shape/shape_space.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr char kMagic[8] = {'D', 'Q', 'A', 'S', 'P', 'A', 'C', 'E'};
+constexpr std::uint32_t kVersion = 1;
+
+std::uint64_t fnv1a(const std::string& bytes, std::size_t length) {
+    std::uint64_t h = 1469598103934665603ull;
+    for (std::size_t i = 0; i < length; ++i) h = (h ^ static_cast<unsigned char>(bytes[i])) * 1099511628211ull;
+    return h;
+}
+
+struct Writer {
+    std::string bytes;
+    template <class T>
+    void put(const T& value) {
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    void doubles(const double* p, std::size_t n) { bytes.append(reinterpret_cast<const char*>(p), n * sizeof *p); }
+};
+
+struct Reader {
+    const std::string& bytes;
+    const std::string& path;
+    std::size_t at = 0;
+    void need(std::size_t n) const {
+        if (bytes.size() - at < n)
+            fail(Status::ERROR_FILE, "'%s' is truncated: %zu bytes expected at offset %zu, %zu there", path.c_str(), n,
+                 at, bytes.size() - at);
+    }
+    template <class T>
+    T get() {
+        T value;
+        need(sizeof value);
+        std::memcpy(&value, bytes.data() + at, sizeof value);
+        at += sizeof value;
+        return value;
+    }
+    void doubles(double* p, std::size_t n) {
+        need(n * sizeof *p);
+        std::memcpy(p, bytes.data() + at, n * sizeof *p);
+        at += n * sizeof *p;
+    }
+};
+
+void write_atomically(const std::string& path, const std::string& bytes) {
+    const std::string temporary = path + ".tmp" + std::to_string(::getpid());
+    const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (file < 0) fail(Status::ERROR_IO, "cannot write '%s': %s", temporary.c_str(), std::strerror(errno));
+    std::size_t done = 0;
+    int error = 0;
+    while (done < bytes.size() && !error) {
+        const ssize_t wrote = ::write(file, bytes.data() + done, bytes.size() - done);
+        if (wrote < 0 && errno != EINTR) error = errno;
+        if (wrote > 0) done += static_cast<std::size_t>(wrote);
+    }
+    if (!error && ::fsync(file) != 0 && errno != EINVAL) error = errno;
+    if (::close(file) != 0 && !error) error = errno;
+    if (!error && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+    if (error) {
+        ::unlink(temporary.c_str());
+        fail(Status::ERROR_IO, "cannot write '%s': %s; nothing was changed", path.c_str(), std::strerror(error));
+    }
+}
+
+std::string read_whole(const std::string& path) {
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (!file) fail(Status::ERROR_IO, "cannot open '%s': %s", path.c_str(), std::strerror(errno));
+    std::string bytes;
+    char buffer[65536];
+    std::size_t got;
+    while ((got = std::fread(buffer, 1, sizeof buffer, file)) > 0) bytes.append(buffer, got);
+    const bool bad = std::ferror(file) != 0;
+    const int error = errno;
+    std::fclose(file);
+    if (bad) fail(Status::ERROR_IO, "cannot read '%s': %s", path.c_str(), std::strerror(error));
+    return bytes;
+}
+
+}  // namespace
+
+void ShapeSpace::save(const std::string& path) const {
+    if (!built_) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
+    Writer w;
+    w.bytes.append(kMagic, sizeof kMagic);
+    w.put(kVersion);
+    for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
+    for (const int v : {settings_.margin, settings_.up, settings_.subsamples, static_cast<int>(settings_.peak),
+                        settings_.max_iterations})
+        w.put(static_cast<std::int32_t>(v));
+    for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
+        w.put(v);
+    w.put(static_cast<std::uint32_t>(bases_.size()));
+    for (const BaseShape& b : bases_) {
+        w.put(static_cast<std::uint32_t>(b.name.size()));
+        w.bytes += b.name;
+        w.put(b.length_in_cells);
+        w.doubles(b.fractions.data(), b.fractions.size());
+        w.put(static_cast<std::uint32_t>(b.actuators.size()));
+        for (const Actuator& a : b.actuators) {
+            w.put(static_cast<std::int32_t>(a.category));
+            w.doubles(a.mean.data(), 3), w.doubles(a.variance.data(), 3), w.doubles(a.euler.data(), 3);
+        }
+    }
+    w.put(fnv1a(w.bytes, w.bytes.size()));
+    write_atomically(path, w.bytes);
+}
+
+std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
+    const std::string bytes = read_whole(path);
+    if (bytes.size() < sizeof kMagic + 12 || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
+        fail(Status::ERROR_FILE, "'%s' is not a saved shape space (%zu bytes, wrong beginning)", path.c_str(), bytes.size());
+    Reader r{bytes, path, sizeof kMagic};
+    const std::uint32_t version = r.get<std::uint32_t>();
+    if (version != kVersion)
+        fail(Status::ERROR_FILE, "'%s' has format version %u, this library reads %u", path.c_str(), version, kVersion);
+    // The checksum comes before anything is believed: a damaged count must not drive an allocation.
+    std::uint64_t stored;
+    std::memcpy(&stored, bytes.data() + bytes.size() - sizeof stored, sizeof stored);
+    if (stored != fnv1a(bytes, bytes.size() - sizeof stored))
+        fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
+    ShapeSettings s;
+    for (int& n : s.cells) {
+        n = r.get<std::int32_t>();
+        if (n < 1 || n > 512) fail(Status::ERROR_FILE, "'%s': grid size %d out of range", path.c_str(), n);
+    }
+    s.margin = r.get<std::int32_t>(), s.up = r.get<std::int32_t>(), s.subsamples = r.get<std::int32_t>();
+    s.peak = static_cast<Peak>(r.get<std::int32_t>());
+    s.max_iterations = r.get<std::int32_t>();
+    s.body_length = r.get<double>(), s.cell_size = r.get<double>(), s.sigma = r.get<double>();
+    s.tolerance = r.get<double>();
+    const double dx = r.get<double>();
+    auto space = std::make_shared<ShapeSpace>(s);
+    space->box_.dx = dx;
+    const std::uint32_t count = r.get<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        BaseShape b;
+        const std::uint32_t length = r.get<std::uint32_t>();
+        r.need(length);
+        b.name.assign(bytes, r.at, length);
+        r.at += length;
+        b.length_in_cells = r.get<double>();
+        b.fractions.resize(static_cast<std::size_t>(space->box_.n_cells()));
+        r.doubles(b.fractions.data(), b.fractions.size());
+        const std::uint32_t actuators = r.get<std::uint32_t>();
+        for (std::uint32_t k = 0; k < actuators; ++k) {
+            Actuator a;
+            a.category = static_cast<ActuatorCategory>(r.get<std::int32_t>());
+            r.doubles(a.mean.data(), 3), r.doubles(a.variance.data(), 3), r.doubles(a.euler.data(), 3);
+            b.actuators.push_back(a);
+        }
+        space->bases_.push_back(std::move(b));
+    }
+    if (space->bases_.empty()) fail(Status::ERROR_FILE, "'%s' holds no bases", path.c_str());
+    space->freeze();
+    return space;
+}
+
+}  // namespace dqa

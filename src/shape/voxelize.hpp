@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Covered fraction of every cell of the box by a closed triangle mesh, scaled and centred to fit. Dimensionless: works
+// in cell units (1 = the edge of a cell).
+#pragma once
+
+#include <vector>
+
+#include "shape/mesh.hpp"
+
+namespace dqa {
+
+// Scales `cleaned` (from clean_and_check) uniformly so that, with its centre of mass at the centre of the box, at least
+// `margin` cells stay empty on every side, and returns the covered fraction of each cell in [0, 1], indexed by
+// box.cell(i, j, k). In y and z, subsamples^2 rays per cell; along x the covered length is exact. Overlapping
+// components form a union (winding number > 0), whose centre of mass then comes from the fractions. `length_in_cells`
+// (may be null) receives the mesh's scaled extent along x. The result does not depend on `threads`, and a mesh that
+// mirrors across y or z gives fractions that do.
+std::vector<double> covered_fractions(const TriangleMesh& cleaned, const Box& box, int margin, int subsamples,
+                                      int threads, double* length_in_cells);
+
+}  // namespace dqa

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "tape/gradient_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "grid/error.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr int kLevels = 6;       // steps of the ladder
+constexpr double kRatio = 0.25;  // between them
+
+// splitmix64: the same direction everywhere for the same seed.
+struct Random {
+    std::uint64_t state;
+    double operator()() {  // in (-1, 1)
+        std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+        z ^= z >> 31;
+        return 2.0 * (static_cast<double>(z >> 11) + 0.5) / 9007199254740992.0 - 1.0;
+    }
+};
+
+// Everything a rollout depends on, so that each of it can be perturbed.
+struct Inputs {
+    std::vector<double> weights, theta, actuation, q, v;
+};
+
+class Rollout {
+public:
+    Rollout(const Simulation& simulation, const Controller* controller, const std::vector<ObjectiveTerm>& terms,
+            int n_steps)
+        : terms_(terms), n_steps_(n_steps), first_step_(simulation.steps()), origin_(simulation.shared_design()) {
+        scene_ = origin_->scene();
+        scene_.tolerance = 1e-13;
+        scene_.adjoint_tolerance = 1e-12;
+        scene_.shape_tolerance = 1e-13;
+        scene_.max_newton = std::max(scene_.max_newton, 100);
+        scene_.max_linear = std::max(scene_.max_linear, 5000);
+        base_.weights = origin_->point().barycenter.weights;
+        base_.q = simulation.q(), base_.v = simulation.v();
+        if (controller) controller_ = controller->clone(), base_.theta = controller->parameters();
+        const int n = origin_->n_signals();
+        for (int k = 0; k < n_steps; ++k) {
+            std::vector<double> a(static_cast<std::size_t>(n));
+            if (controller)
+                controller->evaluate(first_step_ + k, a.data());
+            else
+                for (int s = 0; s < n; ++s) a[static_cast<std::size_t>(s)] = 0.5 * std::sin(0.5 * (k + 1) + s);
+            base_.actuation.insert(base_.actuation.end(), a.begin(), a.end());
+        }
+        design_ = design_for(base_.weights);
+    }
+
+    const Inputs& base() const { return base_; }
+    const Design& design() const { return *design_; }
+
+    std::shared_ptr<Tape> run(const Inputs& in, WithRespectTo changed) const {
+        const auto design = changed == WithRespectTo::weights && in.weights != base_.weights ? design_for(in.weights) : design_;
+        Simulation simulation(design);
+        set_state(simulation, in);
+        auto tape = std::make_shared<Tape>(0);
+        const std::unique_ptr<Controller> controller = controller_ ? controller_->clone() : nullptr;
+        if (controller) controller->assign_parameters(in.theta), tape->set_controller(*controller);
+        const std::size_t n = static_cast<std::size_t>(design->n_signals());
+        for (int k = 0; k < n_steps_; ++k) {
+            std::vector<double> a(in.actuation.begin() + static_cast<long>(n) * k, in.actuation.begin() + static_cast<long>(n) * (k + 1));
+            if (controller && changed == WithRespectTo::control) controller->evaluate(first_step_ + k, a.data());
+            advance(simulation, a, tape.get());
+        }
+        return tape;
+    }
+
+    double loss(const Inputs& in, WithRespectTo changed) const { return run(in, changed)->objective(terms_, nullptr); }
+    long first_step() const { return first_step_; }
+
+private:
+    std::shared_ptr<const Design> design_for(const std::vector<double>& weights) const {
+        return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene_, nullptr);
+    }
+
+    // The state lives on the nodes of the original design; another design may have a few more or fewer at the edge of
+    // its active set, which start from rest.
+    void set_state(Simulation& simulation, const Inputs& in) const {
+        std::vector<double> q(simulation.design().rest()), v(q.size(), 0.0);
+        const ActiveSet &from = origin_->set(), &to = simulation.design().set();
+        for (std::size_t n = 0; n < to.node_ijk.size(); ++n) {
+            const auto& ijk = to.node_ijk[n];
+            const int old = from.node_to_active[static_cast<std::size_t>(from.box.node(ijk[0], ijk[1], ijk[2]))];
+            if (old < 0) continue;
+            for (std::size_t k = 0; k < 3; ++k) {
+                q[3 * n + k] = in.q[3 * static_cast<std::size_t>(old) + k];
+                v[3 * n + k] = in.v[3 * static_cast<std::size_t>(old) + k];
+            }
+        }
+        simulation.set_state(q.data(), v.data());
+    }
+
+    std::vector<ObjectiveTerm> terms_;
+    int n_steps_;
+    long first_step_;
+    std::shared_ptr<const Design> origin_, design_;
+    SceneSettings scene_;
+    std::unique_ptr<Controller> controller_;
+    Inputs base_;
+};
+
+// Random direction in the simplex's plane; components at the edge point inwards.
+std::vector<double> simplex_direction(const std::vector<double>& weights, Random& random, bool* one_sided) {
+    std::vector<double> d(weights.size(), 0.0);
+    double sum = 0.0, interior = 0.0;
+    *one_sided = false;
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        d[i] = random();
+        if (weights[i] < 0.03) d[i] = std::fabs(d[i]) + 0.1, *one_sided = true;
+        else interior += weights[i];
+        sum += d[i];
+    }
+    for (std::size_t i = 0; i < d.size(); ++i)  // the interior components balance the sum
+        if (!(weights[i] < 0.03)) d[i] -= sum * weights[i] / interior;
+    double norm = 0.0;
+    for (const double x : d) norm += x * x;
+    for (double& x : d) x /= std::sqrt(norm);
+    return d;
+}
+
+}  // namespace
+
+GradientCheckReport check_gradient(const Simulation& simulation, const Controller* controller,
+                                   const std::vector<ObjectiveTerm>& terms, const GradientCheckSettings& settings) {
+    const WithRespectTo quantity = settings.quantity;
+    if (quantity == WithRespectTo::control && !controller)
+        fail(Status::ERROR_ARGUMENT, "controller is NULL, expected one: with_respect_to is CONTROL");
+    if (quantity == WithRespectTo::weights && simulation.design().space().bases().size() < 2)
+        fail(Status::ERROR_ARGUMENT, "with_respect_to is WEIGHTS: expected at least two bases, the space has one");
+    const Rollout rollout(simulation, controller, terms, settings.n_steps);
+    Inputs direction = rollout.base();
+    std::vector<double> Inputs::*field = nullptr;
+    double first_step = settings.step;
+    Random random{settings.seed};
+    GradientCheckReport report;
+    const double dx = simulation.design().space().box().dx;
+    switch (quantity) {
+        case WithRespectTo::weights:
+            field = &Inputs::weights;
+            direction.weights = simplex_direction(rollout.base().weights, random, &report.one_sided);
+            if (!(first_step > 0)) first_step = 4e-3;
+            break;
+        case WithRespectTo::control:
+            field = &Inputs::theta;
+            for (double& x : direction.theta) x = random() * std::max(1.0, std::fabs(x));
+            if (!(first_step > 0)) first_step = 2e-2;
+            break;
+        case WithRespectTo::actuation:
+            field = &Inputs::actuation;
+            for (double& x : direction.actuation) x = random();
+            if (!(first_step > 0)) first_step = 2e-2;
+            break;
+        case WithRespectTo::initial_position:
+            field = &Inputs::q;
+            for (double& x : direction.q) x = random() * dx;
+            if (!(first_step > 0)) first_step = 2e-2;
+            break;
+        case WithRespectTo::initial_velocity:
+            field = &Inputs::v;
+            for (double& x : direction.v) x = random();
+            if (!(first_step > 0)) first_step = 4e-3;
+            break;
+    }
+    // Stay on the simplex over the whole stencil.
+    if (quantity == WithRespectTo::weights)
+        for (std::size_t i = 0; i < direction.weights.size(); ++i) {
+            const double w = rollout.base().weights[i], d = direction.weights[i];
+            const double room = report.one_sided ? (d < 0 ? w / -d / 4.0 : first_step) : w / std::fabs(d) / 2.0;
+            first_step = std::min(first_step, room);
+        }
+
+    const auto tape = rollout.run(rollout.base(), quantity);
+    const double loss = tape->objective(terms, nullptr);
+    Adjoint adjoint(tape);
+    adjoint.seed_objective(terms);
+    adjoint.backward(0, nullptr);
+    std::vector<double> gradient;
+    switch (quantity) {
+        case WithRespectTo::weights: gradient = adjoint.weights_bar(); break;
+        case WithRespectTo::control: {
+            // The rollout's clock begins at 0, the caller's may not: use the actuations' cotangents directly.
+            const std::vector<double> bar = adjoint.actuation_bar();
+            gradient.assign(rollout.base().theta.size(), 0.0);
+            const std::size_t n = static_cast<std::size_t>(rollout.design().n_signals());
+            for (int k = 0; k < settings.n_steps; ++k)
+                controller->pullback(rollout.first_step() + k, bar.data() + n * static_cast<std::size_t>(k), gradient.data());
+            break;
+        }
+        case WithRespectTo::actuation: gradient = adjoint.actuation_bar(); break;
+        case WithRespectTo::initial_position: gradient = adjoint.position_bar(); break;
+        case WithRespectTo::initial_velocity: gradient = adjoint.velocity_bar(); break;
+    }
+    const std::vector<double>& d = direction.*field;
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        report.adjoint += gradient[i] * d[i];
+        report.gradient_norm += gradient[i] * gradient[i];
+    }
+    report.gradient_norm = std::sqrt(report.gradient_norm);
+
+    const auto at = [&](double e) {
+        Inputs in = rollout.base();
+        double sum = 0.0;
+        for (std::size_t i = 0; i < d.size(); ++i) sum += ((in.*field)[i] += e * d[i]);
+        if (quantity == WithRespectTo::weights)  // rounding of the sum, and of a weight that reaches 0
+            for (double& w : in.weights) w = std::max(0.0, w) / sum;
+        return rollout.loss(in, quantity);
+    };
+    double estimate[kLevels], remainder[kLevels], step[kLevels];
+    for (int k = 0; k < kLevels; ++k) {
+        const double e = step[k] = first_step * std::pow(kRatio, k);
+        const double f1 = at(e), f2 = at(2 * e);
+        if (report.one_sided)
+            estimate[k] = (-25.0 * loss + 48.0 * f1 - 36.0 * f2 + 16.0 * at(3 * e) - 3.0 * at(4 * e)) / (12.0 * e);
+        else
+            estimate[k] = (8.0 * (f1 - at(-e)) - (f2 - at(-2 * e))) / (12.0 * e);
+        remainder[k] = std::fabs(f1 - loss - e * report.adjoint);
+    }
+    // The best step is where neighbours of the ladder agree best: decided without a look at the adjoint.
+    int best = 1;
+    double agreement = std::numeric_limits<double>::infinity();
+    for (int k = 1; k + 1 < kLevels; ++k) {
+        const double spread = std::fabs(estimate[k] - estimate[k - 1]) + std::fabs(estimate[k] - estimate[k + 1]);
+        if (spread < agreement) agreement = spread, best = k;
+    }
+    report.finite_difference = estimate[best];
+    report.step = step[best];
+    const double error = std::fabs(report.adjoint - report.finite_difference);
+    report.relative_error = error == 0.0 ? 0.0 : error / std::fabs(report.finite_difference);
+    // Slope of the remainder between the largest step and the last one well above the rounding of the loss.
+    const double rounding = 2e-14 * (std::fabs(loss) + std::fabs(report.adjoint) * step[0]) + 1e-17;
+    int last = 0;
+    while (last + 1 < kLevels && remainder[last + 1] > 1e3 * rounding) ++last;
+    if (last >= 1)
+        report.taylor_slope = std::log(remainder[std::max(0, last - 2)] / remainder[last]) /
+                              (std::log(1.0 / kRatio) * (last - std::max(0, last - 2)));
+    else
+        report.taylor_slope = std::numeric_limits<double>::quiet_NaN();
+    return report;
+}
+
+}  // namespace dqa

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "tape/tape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/error.hpp"
+
+namespace dqa {
+
+std::int64_t Tape::step_bytes(const Design& design) const {
+    return static_cast<std::int64_t>(sizeof(double)) * (3 * design.n_nodes() + design.n_signals());
+}
+
+void Tape::require_room(const Design& design) const {
+    if (memory_bytes_ <= 0) return;
+    const std::int64_t step = step_bytes(design);
+    const std::int64_t need = statistics_.bytes + (design_ ? step : 3 * step);  // the first step holds two states and v
+    if (need > memory_bytes_)
+        fail(Status::ERROR_MEMORY, "memory_bytes is %lld, expected at least %lld to record step %ld of %d nodes",
+             static_cast<long long>(memory_bytes_), static_cast<long long>(need), n_steps(), design.n_nodes());
+}
+
+void Tape::begin(const Simulation& simulation) {
+    if (design_) return;
+    design_ = simulation.shared_design();
+    q_.push_back(simulation.q());
+    v_first_ = simulation.v();
+    first_step_ = simulation.steps();
+    statistics_.bytes = 2 * static_cast<std::int64_t>(sizeof(double) * v_first_.size());
+}
+
+void Tape::append(const Simulation& simulation, const std::vector<double>& actuation, const StepReport& report) {
+    q_.push_back(simulation.q());
+    actuation_.push_back(actuation);
+    statistics_.bytes += step_bytes(*design_);
+    statistics_.newton_iterations += report.newton_iterations;
+    statistics_.linear_iterations += report.linear_iterations;
+    statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
+}
+
+bool Tape::continues(const Simulation& simulation) const {
+    return empty() || (design_ == simulation.shared_design() && first_step_ + n_steps() == simulation.steps() &&
+                       q_.back() == simulation.q() && v(n_steps()) == simulation.v());
+}
+
+void Tape::set_controller(const Controller& controller) {
+    if (controller_ && controller_->parameters() != controller.parameters())
+        fail(Status::ERROR_STATE, "the tape was recorded with other controller parameters; clear it first");
+    if (!controller_ && n_steps() > 0)
+        fail(Status::ERROR_STATE, "the tape holds steps that no controller drove; clear it first");
+    controller_ = controller.clone();
+}
+
+void Tape::clear() {
+    design_.reset();
+    controller_.reset();
+    q_.clear(), v_first_.clear(), actuation_.clear();
+    first_step_ = 0;
+    statistics_ = {};
+}
+
+std::vector<double> Tape::v(long step) const {
+    if (step == 0) return v_first_;
+    const std::vector<double>&a = q(step - 1), &b = q(step);
+    const double h = design_->scene().time_step;
+    std::vector<double> out(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) out[i] = (b[i] - a[i]) / h;
+    return out;
+}
+
+double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const {
+    double loss = 0.0;
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+        const double value = travel_loss(*design_, q_.front().data(), q_.back().data());
+        if (per_term) per_term[k] = value;
+        loss += terms[k].weight * value;
+    }
+    return loss;
+}
+
+StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape) {
+    if (tape) tape->require_room(simulation.design());
+    if (!tape) return simulation.step(signals.data());
+    const bool first = tape->empty();
+    tape->begin(simulation);
+    try {
+        const StepReport report = simulation.step(signals.data());
+        tape->append(simulation, signals, report);
+        return report;
+    } catch (...) {
+        if (first) tape->clear();
+        throw;
+    }
+}
+
+Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
+    : tape_(std::move(tape)),
+      stepper_(tape_->shared_design()),
+      position_(tape_->n_steps()),
+      q_seed_(static_cast<std::size_t>(position_) + 1),
+      v_seed_(static_cast<std::size_t>(position_) + 1),
+      q_bar_(tape_->design().rest().size(), 0.0),
+      v_bar_(q_bar_),
+      signal_bar_(static_cast<std::size_t>(position_)),
+      bar_(tape_->design().zero_bar()) {}
+
+namespace {
+
+void accumulate(std::vector<double>& into, const double* bar, std::size_t n) {
+    if (into.empty()) into.assign(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) into[i] += bar[i];
+}
+
+}  // namespace
+
+void Adjoint::seed_position(long step, const double* bar) {
+    // The cursor's own state has been collected once the sweep began: add to the running cotangent there.
+    if (begun_ && step == position_)
+        for (std::size_t i = 0; i < q_bar_.size(); ++i) q_bar_[i] += bar[i];
+    else
+        accumulate(q_seed_[static_cast<std::size_t>(step)], bar, q_bar_.size());
+}
+
+void Adjoint::seed_velocity(long step, const double* bar) {
+    if (begun_ && step == position_)
+        for (std::size_t i = 0; i < v_bar_.size(); ++i) v_bar_[i] += bar[i];
+    else
+        accumulate(v_seed_[static_cast<std::size_t>(step)], bar, v_bar_.size());
+}
+
+void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
+    if (begun_) fail(Status::ERROR_STATE, "seed_objective: the backward sweep has already begun");
+    std::vector<double> first(q_bar_.size(), 0.0), last(q_bar_.size(), 0.0);
+    for (const ObjectiveTerm& t : terms)
+        travel_pullback(tape_->design(), tape_->q(0).data(), tape_->q(tape_->n_steps()).data(), t.weight, first.data(),
+                        last.data(), bar_.spine.data());
+    seed_position(0, first.data());
+    seed_position(tape_->n_steps(), last.data());
+}
+
+void Adjoint::collect(long step) {
+    auto &qs = q_seed_[static_cast<std::size_t>(step)], &vs = v_seed_[static_cast<std::size_t>(step)];
+    if (!qs.empty())
+        for (std::size_t i = 0; i < q_bar_.size(); ++i) q_bar_[i] += qs[i];
+    if (!vs.empty())
+        for (std::size_t i = 0; i < v_bar_.size(); ++i) v_bar_[i] += vs[i];
+    qs = {}, vs = {};
+}
+
+void Adjoint::backward(long to_step, const StepMonitor& monitor) {
+    if (!begun_) {
+        collect(position_);
+        begun_ = true;
+    }
+    const long from = position_;
+    const double h = tape_->design().scene().time_step;
+    while (position_ > to_step) {
+        const long step = position_ - 1;
+        std::vector<double> total(q_bar_), q_bar(q_bar_.size(), 0.0), v_bar(q_bar_.size(), 0.0);
+        for (std::size_t i = 0; i < total.size(); ++i) {
+            total[i] += v_bar_[i] / h;
+            q_bar[i] = -v_bar_[i] / h;
+        }
+        std::vector<double> signal_bar(static_cast<std::size_t>(tape_->design().n_signals()), 0.0);
+        const std::vector<double> v = tape_->v(step);
+        // Into a copy of nothing shared until it succeeded: a failed or cancelled step can be tried again.
+        const AdjointReport report =
+            stepper_.adjoint(tape_->q(step).data(), v.data(), tape_->actuation(step).data(), tape_->q(step + 1).data(),
+                             step, total.data(), q_bar.data(), v_bar.data(), signal_bar.data(), bar_);
+        iterations_ += report.linear_iterations;
+        worst_residual_ = std::max(worst_residual_, report.residual);
+        q_bar_.swap(q_bar), v_bar_.swap(v_bar);
+        signal_bar_[static_cast<std::size_t>(step)] = signal_bar;
+        position_ = step;
+        collect(step);
+        if (monitor) monitor(from - position_, from - to_step);
+    }
+}
+
+std::vector<double> Adjoint::weights_bar() {
+    if (weights_bar_.empty()) weights_bar_ = tape_->design().weights_bar(bar_, nullptr);
+    return weights_bar_;
+}
+
+std::vector<double> Adjoint::control_bar() const {
+    const Controller* controller = tape_->controller();
+    if (!controller) fail(Status::ERROR_STATE, "CONTROL: the tape was not driven by a controller");
+    std::vector<double> bar(controller->parameters().size(), 0.0);
+    for (std::size_t k = 0; k < signal_bar_.size(); ++k)
+        controller->pullback(tape_->first_step() + static_cast<long>(k), signal_bar_[k].data(), bar.data());
+    return bar;
+}
+
+std::vector<double> Adjoint::actuation_bar() const {
+    std::vector<double> out;
+    const std::size_t n = static_cast<std::size_t>(tape_->design().n_signals());
+    for (const auto& s : signal_bar_)
+        for (std::size_t k = 0; k < n; ++k) out.push_back(s.empty() ? 0.0 : s[k]);
+    return out;
+}
+
+}  // namespace dqa

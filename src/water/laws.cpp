@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "water/laws.hpp"
+
+#include <cmath>
+
+namespace dqa {
+namespace {
+
+constexpr double kHalfPi = 1.57079632679489661923;
+constexpr double kPi = 3.14159265358979323846;
+
+// Power series of a cubic Bezier curve over t in [0, 1].
+void bezier_to_power(const std::array<double, 4>& b, double out[4]) {
+    out[0] = b[0];
+    out[1] = 3.0 * (b[1] - b[0]);
+    out[2] = 3.0 * (b[0] - 2.0 * b[1] + b[2]);
+    out[3] = b[3] - 3.0 * b[2] + 3.0 * b[1] - b[0];
+}
+
+}  // namespace
+
+WaterLaws::WaterLaws(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon)
+    : epsilon_(epsilon), kappa_(std::cos(epsilon)), scale_(0.0) {
+    scale_ = kHalfPi / std::asin(kappa_);
+    bezier_to_power(drag, drag_);
+    // Ct over s = Phi/pi + 1/2, re-expanded about Phi = 0 (s = 1/2).
+    double c[4];
+    bezier_to_power(thrust, c);
+    thrust_[0] = c[0] + 0.5 * c[1] + 0.25 * c[2] + 0.125 * c[3];
+    thrust_[1] = (c[1] + c[2] + 0.75 * c[3]) / kPi;
+    thrust_[2] = (c[2] + 1.5 * c[3]) / (kPi * kPi);
+    thrust_[3] = c[3] / (kPi * kPi * kPi);
+}
+
+LawValue WaterLaws::angle(double x) const {
+    const double y = kappa_ * x;
+    return {scale_ * std::asin(y), scale_ * kappa_ / std::sqrt(1.0 - y * y)};
+}
+
+LawValue WaterLaws::angle_slope(double x) const {
+    const double y = kappa_ * x, y2 = y * y;
+    if (y2 < 1e-4) {  // asin(y)/y = 1 + y^2/6 + 3 y^4/40 + 15 y^6/336 + 105 y^8/3456: below 1e-18 of error
+        const double v = 1.0 + y2 * (1.0 / 6 + y2 * (3.0 / 40 + y2 * (15.0 / 336 + y2 * 105.0 / 3456)));
+        const double d = y * (2.0 / 6 + y2 * (12.0 / 40 + y2 * (90.0 / 336 + y2 * 840.0 / 3456)));
+        return {scale_ * kappa_ * v, scale_ * kappa_ * kappa_ * d};
+    }
+    const LawValue phi = angle(x);
+    const double value = phi.value / x;
+    return {value, (phi.derivative - value) / x};
+}
+
+LawValue WaterLaws::drag(double x) const {
+    const LawValue phi = angle(x);
+    const double t = phi.value / kHalfPi, dt = phi.derivative / kHalfPi;
+    const double root = std::sqrt(t * t + epsilon_ * epsilon_);  // |t|, rounded
+    const double odd1 = root - epsilon_, odd3 = t * t * root;    // |t| and |t|^3
+    return {drag_[0] + drag_[1] * odd1 + drag_[2] * t * t + drag_[3] * odd3,
+            (drag_[1] * t / root + 2.0 * drag_[2] * t + drag_[3] * (2.0 * t * root + t * t * t / root)) * dt};
+}
+
+LawValue WaterLaws::thrust_slope(double x) const {
+    const LawValue phi = angle(x), g = angle_slope(x);
+    const double poly = thrust_[1] + phi.value * (thrust_[2] + phi.value * thrust_[3]);
+    const double dpoly = (thrust_[2] + 2.0 * phi.value * thrust_[3]) * phi.derivative;
+    return {poly * g.value, dpoly * g.value + poly * g.derivative};
+}
+
+}  // namespace dqa

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "water/water.hpp"
+
+#include <cmath>
+
+#include "grid/parallel.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr int kGrain = 256;
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vec3 axpy(double s, const Vec3& a, const Vec3& b) { return {s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2]}; }
+Vec3 at(const double* q, int node3) { return {q[node3], q[node3 + 1], q[node3 + 2]}; }
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+Vec3 mean_of(const double* q, const std::array<int, 4>& nodes) {
+    Vec3 m{};
+    for (const int n : nodes)
+        for (std::size_t k = 0; k < 3; ++k) m[k] += 0.25 * q[n + static_cast<int>(k)];
+    return m;
+}
+
+}  // namespace
+
+Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings)
+    : settings_(settings), laws_(settings.drag, settings.thrust, settings.angle_smoothing), n_nodes_(set.n_nodes()) {
+    const Box& box = set.box;
+    const double eps = settings.surface_smoothing;
+    const auto add = [&](int low, int high, const std::array<std::array<int, 3>, 4>& corners) {
+        Face f;
+        f.cell_low = low, f.cell_high = high;
+        const double jump = (low >= 0 ? occupancy[static_cast<std::size_t>(low)] : 0.0) -
+                            (high >= 0 ? occupancy[static_cast<std::size_t>(high)] : 0.0);
+        const double root = std::sqrt(jump * jump + eps * eps);
+        const double weight = jump * jump / (root + eps);  // = root - eps without cancellation
+        f.weight = jump >= 0 ? weight : -weight;
+        f.weight_derivative = jump / root;
+        for (std::size_t k = 0; k < 4; ++k)
+            f.nodes[k] = 3 * set.node_to_active[static_cast<std::size_t>(box.node(corners[k][0], corners[k][1], corners[k][2]))];
+        faces_.push_back(f);
+    };
+    // Every face of every active cell, once: the low faces of all, and the high faces towards inactive neighbours.
+    for (int a = 0; a < set.n_cells(); ++a) {
+        const auto ijk = box.cell_ijk(set.cells[static_cast<std::size_t>(a)]);
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::size_t ax = static_cast<std::size_t>(axis);
+            const std::size_t b = (ax + 1) % 3, c = (ax + 2) % 3;
+            for (int side = 0; side < 2; ++side) {
+                auto other = ijk;
+                other[ax] += side ? 1 : -1;
+                const bool inside = other[ax] >= 0 && other[ax] < box.cells[ax];
+                const int neighbour =
+                    inside ? set.cell_to_active[static_cast<std::size_t>(box.cell(other[0], other[1], other[2]))] : -1;
+                if (side && neighbour >= 0) continue;  // that cell's low face
+                std::array<std::array<int, 3>, 4> corners{ijk, ijk, ijk, ijk};
+                for (auto& corner : corners) corner[ax] += side;
+                corners[1][b] += 1, corners[2][b] += 1, corners[2][c] += 1, corners[3][c] += 1;
+                add(side ? a : neighbour, side ? neighbour : a, corners);
+            }
+        }
+    }
+    start_.assign(static_cast<std::size_t>(n_nodes_) + 1, 0);
+    for (const Face& f : faces_)
+        for (const int n : f.nodes) ++start_[static_cast<std::size_t>(n / 3) + 1];
+    for (int n = 0; n < n_nodes_; ++n) start_[static_cast<std::size_t>(n) + 1] += start_[static_cast<std::size_t>(n)];
+    slot_.resize(faces_.size() * 4);
+    std::vector<int> fill(start_.begin(), start_.end() - 1);
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+        for (const int n : faces_[f].nodes) slot_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n / 3)]++)] = 3 * static_cast<int>(f);
+}
+
+void Water::add_to_nodes(const double* face_force, double* out, int threads) const {
+    parallel_chunks(threads, n_nodes_, 512, [&](int begin, int end) {
+        for (int n = begin; n < end; ++n) {
+            double x = 0.0, y = 0.0, z = 0.0;
+            for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
+                const double* f = face_force + slot_[static_cast<std::size_t>(s)];
+                x += f[0], y += f[1], z += f[2];
+            }
+            out[3 * n] += 0.25 * x, out[3 * n + 1] += 0.25 * y, out[3 * n + 2] += 0.25 * z;
+        }
+    });
+}
+
+void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, int threads) const {
+    const std::size_t nf = faces_.size();
+    ws.cd.resize(nf), ws.ct.resize(nf), ws.k.resize(nf), ws.n.resize(3 * nf), ws.area.resize(nf), ws.u.resize(3 * nf);
+    ws.force.resize(3 * nf);
+    ws.spine = spine;
+    const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
+    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            const Face& f = faces_[i];
+            const Vec3 d1 = minus(at(q, f.nodes[2]), at(q, f.nodes[0])), d2 = minus(at(q, f.nodes[3]), at(q, f.nodes[1]));
+            Vec3 a = cross(d1, d2);
+            const double sign = f.weight >= 0 ? 0.5 : -0.5;
+            for (double& x : a) x *= sign;
+            const double area = std::sqrt(dot(a, a) + 1e-30);
+            const Vec3 u = minus(mean_of(v, f.nodes), settings_.current);
+            const double speed = std::sqrt(dot(u, u) + eps2);
+            const double su = dot(spine, u), lateral2 = dot(u, u) - su * su;
+            const double x = dot(a, u) / (area * speed);
+            const double w = half_rho * std::fabs(f.weight) * area;
+            ws.area[i] = area;
+            for (std::size_t k = 0; k < 3; ++k) ws.n[3 * i + k] = a[k] / area, ws.u[3 * i + k] = u[k];
+            ws.cd[i] = w * laws_.drag(x).value * speed;
+            ws.ct[i] = w * laws_.thrust_slope(x).value * lateral2 / speed;
+            ws.k[i] = w * laws_.thrust_rest() * lateral2;
+        }
+    });
+}
+
+Vec3 Water::new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const {
+    const Vec3 d = minus(mean_of(q_new, f.nodes), mean_of(q_old, f.nodes));
+    return {d[0] * inv_h - settings_.current[0], d[1] * inv_h - settings_.current[1], d[2] * inv_h - settings_.current[2]};
+}
+
+double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, int threads,
+                       double* out) const {
+    const double energy = parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
+        double e = 0.0;
+        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            const Vec3 u = new_velocity(faces_[i], q_new, q_old, 1.0 / h);
+            const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
+            const double nu = dot(n, u);
+            e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
+            for (std::size_t k = 0; k < 3; ++k) ws.force[3 * i + k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
+        }
+        return e;
+    });
+    add_to_nodes(ws.force.data(), out, threads);
+    return energy;
+}
+
+void Water::product(WaterWorkspace& ws, const double* p, double h, int threads, double* out) const {
+    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            const Vec3 u = mean_of(p, faces_[i].nodes);
+            const double* n = ws.n.data() + 3 * i;
+            const double nu = (n[0] * u[0] + n[1] * u[1] + n[2] * u[2]) * ws.ct[i] / h;
+            for (std::size_t k = 0; k < 3; ++k) ws.force[3 * i + k] = ws.cd[i] / h * u[k] + nu * n[k];
+        }
+    });
+    add_to_nodes(ws.force.data(), out, threads);
+}
+
+void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_old, const double* lambda, double h,
+                     double* q_bar, double* v_bar, Vec3& spine_bar, double* occupancy_bar) const {
+    const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const Face& f = faces_[i];
+        const Vec3 un = new_velocity(f, q_new, q_old, 1.0 / h), l = mean_of(lambda, f.nodes);
+        const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i)), u = at(ws.u.data(), static_cast<int>(3 * i));
+        const double area = ws.area[i], nl = dot(n, l), nun = dot(n, un);
+        // phi = c_d l.u+ + c_t (n.l)(n.u+) + k n.l
+        const double cd_bar = dot(l, un), ct_bar = nl * nun, k_bar = nl;
+        Vec3 n_bar{};
+        for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (l[k] * nun + un[k] * nl) + ws.k[i] * l[k];
+        Vec3 un_bar{};
+        for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nl * n[k];
+        // Lagged coefficients back to u, n, area, weight, spine.
+        const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
+        const double nu = dot(n, u), x = nu / speed;
+        const LawValue cd = laws_.drag(x), ts = laws_.thrust_slope(x);
+        const double w = half_rho * std::fabs(f.weight) * area, rest = laws_.thrust_rest();
+        const double w_bar = cd_bar * cd.value * speed + ct_bar * ts.value * lateral2 / speed + k_bar * rest * lateral2;
+        const double x_bar = w * (cd_bar * cd.derivative * speed + ct_bar * ts.derivative * lateral2 / speed);
+        const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
+        const double speed_bar = w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
+        const double area_bar = w_bar * half_rho * std::fabs(f.weight);
+        const double weight_bar = w_bar * half_rho * area;
+        Vec3 u_bar{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            u_bar[k] = x_bar * n[k] / speed + speed_bar * u[k] / speed + lateral_bar * 2.0 * (u[k] - su * ws.spine[k]);
+            n_bar[k] += x_bar * u[k] / speed;
+            spine_bar[k] -= lateral_bar * 2.0 * su * u[k];
+        }
+        // n = a / area, area = sqrt(|a|^2 + tiny): a_bar = (n_bar - n (n.n_bar)) / area + area_bar n.
+        const double nn = dot(n, n_bar);
+        Vec3 a_bar{};
+        for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
+        const double sign = f.weight >= 0 ? 0.5 : -0.5;
+        const Vec3 d1 = minus(at(q_old, f.nodes[2]), at(q_old, f.nodes[0])), d2 = minus(at(q_old, f.nodes[3]), at(q_old, f.nodes[1]));
+        Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
+        for (std::size_t k = 0; k < 3; ++k) {
+            d1_bar[k] *= sign, d2_bar[k] *= sign;
+            const int kk = static_cast<int>(k);
+            q_bar[f.nodes[2] + kk] += d1_bar[k], q_bar[f.nodes[0] + kk] -= d1_bar[k];
+            q_bar[f.nodes[3] + kk] += d2_bar[k], q_bar[f.nodes[1] + kk] -= d2_bar[k];
+            for (const int node : f.nodes) {
+                q_bar[node + kk] -= 0.25 / h * un_bar[k];
+                v_bar[node + kk] += 0.25 * u_bar[k];
+            }
+        }
+        const double jump_bar = weight_bar * f.weight_derivative;
+        if (f.cell_low >= 0) occupancy_bar[f.cell_low] += jump_bar;
+        if (f.cell_high >= 0) occupancy_bar[f.cell_high] -= jump_bar;
+    }
+}
+
+WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_old, double h) const {
+    WaterTotals t;
+    double wet = 0.0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const Vec3 u = new_velocity(faces_[i], q_new, q_old, 1.0 / h);
+        const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
+        t.drag = axpy(-ws.cd[i], u, t.drag);
+        t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);
+        wet += std::fabs(faces_[i].weight) * ws.area[i];
+    }
+    for (std::size_t k = 0; k < 3 && wet > 0; ++k) t.mean_drag[k] = t.drag[k] / wet, t.mean_thrust[k] = t.thrust[k] / wet;
+    return t;
+}
+
+}  // namespace dqa

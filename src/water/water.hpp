@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Hydrodynamics on the diffuse surface: drag and thrust of DiffAqua (2021) summed over all faces between cells of
+// different occupancy, each weighted by sqrt(dG^2 + eps^2) - eps, normal from fuller to emptier.
+//
+// Per face, with u = mean corner velocity - current, area vector a, A = |a|, n = a/A, spine direction s:
+//   lagged (start of the step):  U = sqrt(|u|^2 + eps_v^2), x = n.u/U, L = |u|^2 - (s.u)^2,
+//     c_d = rho W A Cd(x) U / 2,  c_t = rho W A L T(x) / (2 U),  T(x) = (Ct(Phi) - Ct(0)) / x,  k = rho W A L Ct(0) / 2
+//   force on the swimmer at the new velocity u+:  -(c_d u+ + c_t n (n.u+) + k n),  a quarter to each corner.
+// The first two terms are the gradient of the convex dissipation h/2 (c_d |u+|^2 + c_t (n.u+)^2): with explicit forces
+// the light nodes of the surface blow up.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "grid/active_set.hpp"
+#include "water/laws.hpp"
+
+namespace dqa {
+
+struct WaterSettings {
+    double density = 1000.0;          // kg/m^3
+    Vec3 current{};                   // m/s
+    std::array<double, 4> drag{0.05, 0.05, 1.85, 2.05};
+    std::array<double, 4> thrust{-0.8, -0.5, 0.1, 2.5};
+    double speed_smoothing = 1e-2;    // m/s
+    double angle_smoothing = 0.02;    // rad
+    double surface_smoothing = 1e-2;
+};
+
+// Lagged coefficients of every face, [n_faces] each; n [n_faces][3]; and the state they came from.
+struct WaterWorkspace {
+    std::vector<double> cd, ct, k, n;
+    std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
+    std::vector<double> force;    // [n_faces][3], scratch of gradient and product
+    Vec3 spine{};
+};
+
+struct WaterTotals {
+    Vec3 drag{}, thrust{};            // N, on the swimmer
+    Vec3 mean_drag{}, mean_thrust{};  // divided by the wet area (N/m^2)
+};
+
+class Water {
+public:
+    // occupancy [n_active_cells]; cells outside the active set count as 0.
+    Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings);
+
+    int n_faces() const { return static_cast<int>(faces_.size()); }
+    const WaterSettings& settings() const { return settings_; }
+
+    // Coefficients at the start of a step: q, v [n_nodes][3], spine direction (unit).
+    void lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, int threads) const;
+    // Value of the incremental potential, and out += its gradient with respect to q_new. h: time step (s).
+    double gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, int threads,
+                    double* out) const;
+    // out += H p.
+    void product(WaterWorkspace& ws, const double* p, double h, int threads, double* out) const;
+    // Cotangents of lambda . gradient (q_new held): added to q_bar, v_bar (of the start of the step), spine_bar and
+    // occupancy_bar [n_active_cells].
+    void pullback(WaterWorkspace& ws, const double* q_new, const double* q_old, const double* lambda, double h,
+                  double* q_bar, double* v_bar, Vec3& spine_bar, double* occupancy_bar) const;
+    WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_old, double h) const;
+
+private:
+    struct Face {
+        std::array<int, 4> nodes{};  // 3 * active node, counter-clockwise about the +axis
+        int cell_low = -1, cell_high = -1;  // active cells on both sides along the axis, -1 outside
+        double weight = 0.0;         // signed: > 0 if the low side is fuller
+        double weight_derivative = 0.0;  // d|weight| / d(dG), dG = G_low - G_high
+    };
+    Vec3 new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const;
+    void add_to_nodes(const double* face_force, double* out, int threads) const;
+
+    WaterSettings settings_;
+    WaterLaws laws_;
+    std::vector<Face> faces_;
+    int n_nodes_;
+    std::vector<int> start_, slot_;  // CSR: faces of each node
+};
+
+}  // namespace dqa

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ * Size and field offsets of every public struct, frozen for the x86-64 LP64 ABI. A line here changes only together
+ * with DQA_ABI_VERSION; a new field comes after the last one and changes the size alone. */
+#include <stddef.h>
+
+#include "support.h"
+
+#if defined(__x86_64__) && defined(__LP64__)
+
+#define SIZE(type, bytes)                                                 \
+    _Static_assert(sizeof(type) == (bytes), "size of " #type " changed"); \
+    _Static_assert(sizeof(type) % 8 == 0, #type " has hidden padding at its end");
+#define AT(type, field, bytes) _Static_assert(offsetof(type, field) == (bytes), #type "." #field " moved");
+
+/* One field a line, whatever its length. */
+/* clang-format off */
+SIZE(dqa_shape_space_options, 88)
+AT(dqa_shape_space_options, struct_size, 0)
+AT(dqa_shape_space_options, flags, 4)
+AT(dqa_shape_space_options, dims, 8)
+AT(dqa_shape_space_options, cells_x, 12)
+AT(dqa_shape_space_options, cells_y, 16)
+AT(dqa_shape_space_options, cells_z, 20)
+AT(dqa_shape_space_options, margin, 24)
+AT(dqa_shape_space_options, up, 28)
+AT(dqa_shape_space_options, subsamples, 32)
+AT(dqa_shape_space_options, peak, 36)
+AT(dqa_shape_space_options, max_iterations, 40)
+AT(dqa_shape_space_options, threads, 44)
+AT(dqa_shape_space_options, body_length, 48)
+AT(dqa_shape_space_options, cell_size, 56)
+AT(dqa_shape_space_options, sigma, 64)
+AT(dqa_shape_space_options, tolerance, 72)
+AT(dqa_shape_space_options, cancel, 80)
+
+SIZE(dqa_actuator_options, 88)
+AT(dqa_actuator_options, struct_size, 0)
+AT(dqa_actuator_options, flags, 4)
+AT(dqa_actuator_options, category, 8)
+AT(dqa_actuator_options, padding, 12)
+AT(dqa_actuator_options, mean, 16)
+AT(dqa_actuator_options, variance, 40)
+AT(dqa_actuator_options, euler, 64)
+
+SIZE(dqa_shape_space_info, 48)
+AT(dqa_shape_space_info, struct_size, 0)
+AT(dqa_shape_space_info, dims, 4)
+AT(dqa_shape_space_info, cells_x, 8)
+AT(dqa_shape_space_info, cells_y, 12)
+AT(dqa_shape_space_info, cells_z, 16)
+AT(dqa_shape_space_info, n_bases, 20)
+AT(dqa_shape_space_info, n_signals, 24)
+AT(dqa_shape_space_info, is_built, 28)
+AT(dqa_shape_space_info, n_cells, 32)
+AT(dqa_shape_space_info, cell_size, 40)
+
+SIZE(dqa_simulator_options, 240)
+AT(dqa_simulator_options, struct_size, 0)
+AT(dqa_simulator_options, flags, 4)
+AT(dqa_simulator_options, threads, 8)
+AT(dqa_simulator_options, method, 12)
+AT(dqa_simulator_options, water, 16)
+AT(dqa_simulator_options, max_newton, 20)
+AT(dqa_simulator_options, max_linear, 24)
+AT(dqa_simulator_options, instruction_set, 28)
+AT(dqa_simulator_options, time_step, 32)
+AT(dqa_simulator_options, young_modulus, 40)
+AT(dqa_simulator_options, poisson_ratio, 48)
+AT(dqa_simulator_options, density, 56)
+AT(dqa_simulator_options, muscle_stiffness, 64)
+AT(dqa_simulator_options, contraction, 72)
+AT(dqa_simulator_options, threshold, 80)
+AT(dqa_simulator_options, occupancy_floor, 88)
+AT(dqa_simulator_options, tolerance, 96)
+AT(dqa_simulator_options, adjoint_tolerance, 104)
+AT(dqa_simulator_options, water_density, 112)
+AT(dqa_simulator_options, current, 120)
+AT(dqa_simulator_options, drag_coefficients, 144)
+AT(dqa_simulator_options, thrust_coefficients, 176)
+AT(dqa_simulator_options, speed_smoothing, 208)
+AT(dqa_simulator_options, angle_smoothing, 216)
+AT(dqa_simulator_options, surface_smoothing, 224)
+AT(dqa_simulator_options, cancel, 232)
+
+SIZE(dqa_simulator_info, 160)
+AT(dqa_simulator_info, struct_size, 0)
+AT(dqa_simulator_info, dims, 4)
+AT(dqa_simulator_info, n_bases, 8)
+AT(dqa_simulator_info, n_signals, 12)
+AT(dqa_simulator_info, n_sensors, 16)
+AT(dqa_simulator_info, has_design, 20)
+AT(dqa_simulator_info, n_nodes, 24)
+AT(dqa_simulator_info, n_active_cells, 32)
+AT(dqa_simulator_info, n_body_cells, 40)
+AT(dqa_simulator_info, n_faces, 48)
+AT(dqa_simulator_info, n_muscle_cells, 56)
+AT(dqa_simulator_info, factor_entries, 64)
+AT(dqa_simulator_info, steps, 72)
+AT(dqa_simulator_info, newton_iterations, 80)
+AT(dqa_simulator_info, linear_iterations, 88)
+AT(dqa_simulator_info, adjoint_iterations, 96)
+AT(dqa_simulator_info, time, 104)
+AT(dqa_simulator_info, total_mass, 112)
+AT(dqa_simulator_info, volume, 120)
+AT(dqa_simulator_info, cell_size, 128)
+AT(dqa_simulator_info, last_residual, 136)
+AT(dqa_simulator_info, setup_seconds, 144)
+AT(dqa_simulator_info, barycenter_seconds, 152)
+
+SIZE(dqa_tape_options, 16)
+AT(dqa_tape_options, struct_size, 0)
+AT(dqa_tape_options, flags, 4)
+AT(dqa_tape_options, memory_bytes, 8)
+
+SIZE(dqa_tape_statistics, 64)
+AT(dqa_tape_statistics, struct_size, 0)
+AT(dqa_tape_statistics, padding, 4)
+AT(dqa_tape_statistics, steps, 8)
+AT(dqa_tape_statistics, bytes, 16)
+AT(dqa_tape_statistics, newton_iterations, 24)
+AT(dqa_tape_statistics, linear_iterations, 32)
+AT(dqa_tape_statistics, adjoint_iterations, 40)
+AT(dqa_tape_statistics, worst_residual, 48)
+AT(dqa_tape_statistics, worst_adjoint_residual, 56)
+
+SIZE(dqa_objective_term, 16)
+AT(dqa_objective_term, struct_size, 0)
+AT(dqa_objective_term, kind, 4)
+AT(dqa_objective_term, weight, 8)
+
+SIZE(dqa_gradient_check_options, 32)
+AT(dqa_gradient_check_options, struct_size, 0)
+AT(dqa_gradient_check_options, flags, 4)
+AT(dqa_gradient_check_options, with_respect_to, 8)
+AT(dqa_gradient_check_options, n_steps, 12)
+AT(dqa_gradient_check_options, seed, 16)
+AT(dqa_gradient_check_options, step, 24)
+
+SIZE(dqa_gradient_check_report, 56)
+AT(dqa_gradient_check_report, struct_size, 0)
+AT(dqa_gradient_check_report, one_sided, 4)
+AT(dqa_gradient_check_report, adjoint, 8)
+AT(dqa_gradient_check_report, finite_difference, 16)
+AT(dqa_gradient_check_report, relative_error, 24)
+AT(dqa_gradient_check_report, taylor_slope, 32)
+AT(dqa_gradient_check_report, gradient_norm, 40)
+AT(dqa_gradient_check_report, step, 48)
+/* clang-format on */
+
+#endif
+
+/* The library was compiled with the layout that this program sees. */
+static void sizes_agree(void** state) {
+    dqa_shape_space_options space;
+    dqa_simulator_options simulator;
+    dqa_actuator_options actuator;
+    dqa_tape_options tape;
+    dqa_objective_term term;
+    dqa_gradient_check_options check;
+    (void)state;
+    ok(dqa_shape_space_options_init(&space, sizeof space));
+    ok(dqa_simulator_options_init(&simulator, sizeof simulator));
+    ok(dqa_actuator_options_init(&actuator, sizeof actuator));
+    ok(dqa_tape_options_init(&tape, sizeof tape));
+    ok(dqa_objective_term_init(&term, sizeof term));
+    ok(dqa_gradient_check_options_init(&check, sizeof check));
+    assert_int_equal(space.struct_size, sizeof space);
+    assert_int_equal(simulator.struct_size, sizeof simulator);
+    assert_int_equal(actuator.struct_size, sizeof actuator);
+    assert_int_equal(tape.struct_size, sizeof tape);
+    assert_int_equal(term.struct_size, sizeof term);
+    assert_int_equal(check.struct_size, sizeof check);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(sizes_agree)};
+    return cmocka_run_group_tests_name("abi_layout", tests, NULL, NULL);
+}

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT
+ * Filling and freezing a shape space: bases from densities and meshes, actuators, build, and its refusals. */
+#include <stdio.h>
+
+#include "support.h"
+
+static const double TETRAHEDRON[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const int32_t FACES[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+static void null_arguments(void** state) {
+    dqa_shape_space* space = tiny_space_open();
+    dqa_shape_space_info info;
+    dqa_actuator_options actuator;
+    double* cells = doubles(N_CELLS);
+    (void)state;
+    ok(dqa_actuator_options_init(&actuator, sizeof actuator));
+
+    refused(dqa_shape_space_create(NULL, NULL), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_add_mesh(NULL, "m", TETRAHEDRON[0], 4, FACES[0], 4, NULL), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_add_mesh(space, "m", NULL, 4, FACES[0], 4, NULL), DQA_ERROR_ARGUMENT, "vertices");
+    refused(dqa_shape_space_add_mesh(space, "m", TETRAHEDRON[0], 4, NULL, 4, NULL), DQA_ERROR_ARGUMENT, "triangles");
+    refused(dqa_shape_space_add_mesh_file(NULL, "a.stl", NULL), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_add_mesh_file(space, NULL, NULL), DQA_ERROR_ARGUMENT, "path");
+    refused(dqa_shape_space_add_density(NULL, "d", cells, N_CELLS, NULL), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_add_density(space, "d", NULL, N_CELLS, NULL), DQA_ERROR_ARGUMENT, "cells");
+    refused(dqa_shape_space_add_actuator(NULL, 0, &actuator), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_get_actuator(NULL, 0, DQA_ACTUATOR_CAUDAL, &actuator), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_build(NULL, NULL, NULL), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_get_info(NULL, &info, sizeof info), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_get_info(space, NULL, sizeof info), DQA_ERROR_ARGUMENT, "info");
+    refused(dqa_shape_space_get_base(NULL, 0, cells, N_CELLS), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_get_base(space, 0, NULL, N_CELLS), DQA_ERROR_ARGUMENT, "cells");
+    assert_string_equal(dqa_shape_space_base_name(NULL, 0), "");
+    dqa_shape_space_free(NULL);
+
+    dqa_shape_space_free(space);
+    free(cells);
+}
+
+static void densities_are_checked(void** state) {
+    dqa_shape_space* space = tiny_space_open();
+    dqa_shape_space_info info;
+    double* cells = doubles(N_CELLS);
+    static const double wrong[] = {-0.1, 1.1, NAN, INFINITY};
+    int32_t base = 77;
+    size_t i;
+    (void)state;
+    refused(dqa_shape_space_add_density(space, "empty", cells, N_CELLS, &base), DQA_ERROR_ARGUMENT, "cells");
+    for (i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        ellipsoid(cells, 5.0, 2.0, 2.0);
+        cells[N_CELLS / 2 + 3] = wrong[i];
+        refused(dqa_shape_space_add_density(space, "wrong", cells, N_CELLS, &base), DQA_ERROR_ARGUMENT, "cells");
+    }
+    ellipsoid(cells, 5.0, 2.0, 2.0);
+    refused(dqa_shape_space_add_density(space, "short", cells, N_CELLS - 1, &base), DQA_ERROR_ARGUMENT, "cells|n");
+    refused(dqa_shape_space_add_density(space, "long", cells, N_CELLS + 1, &base), DQA_ERROR_ARGUMENT, "cells|n");
+    refused(dqa_shape_space_add_density(space, "none", cells, -N_CELLS, &base), DQA_ERROR_ARGUMENT, "cells|n");
+
+    /* None of the refused ones became a base. */
+    ok(dqa_shape_space_get_info(space, &info, sizeof info));
+    assert_int_equal(info.n_bases, N_BASES);
+    ok(dqa_shape_space_add_density(space, "third", cells, N_CELLS, &base));
+    assert_int_equal(base, N_BASES);
+    assert_string_equal(dqa_shape_space_base_name(space, base), "third");
+    dqa_shape_space_free(space);
+    free(cells);
+}
+
+static void meshes_are_checked(void** state) {
+    const dqa_shape_space_options options = tiny_options();
+    dqa_shape_space* space = NULL;
+    double vertices[4][3];
+    int32_t faces[4][3];
+    int32_t base = -1;
+    (void)state;
+    ok(dqa_shape_space_create(&options, &space));
+
+    refused(dqa_shape_space_add_mesh(space, "m", TETRAHEDRON[0], -4, FACES[0], 4, NULL), DQA_ERROR_ARGUMENT,
+            "n_vertices");
+    refused(dqa_shape_space_add_mesh(space, "m", TETRAHEDRON[0], 4, FACES[0], -4, NULL), DQA_ERROR_ARGUMENT,
+            "n_triangles");
+    assert_int_equal(dqa_shape_space_add_mesh(space, "open", TETRAHEDRON[0], 4, FACES[0], 3, NULL), DQA_ERROR_MESH);
+    assert_int_equal(dqa_shape_space_add_mesh(space, "empty", TETRAHEDRON[0], 4, FACES[0], 0, NULL), DQA_ERROR_MESH);
+
+    memcpy(faces, FACES, sizeof faces);
+    faces[2][1] = 4;
+    assert_int_not_equal(dqa_shape_space_add_mesh(space, "index", TETRAHEDRON[0], 4, faces[0], 4, NULL), DQA_SUCCESS);
+    faces[2][1] = -1;
+    assert_int_not_equal(dqa_shape_space_add_mesh(space, "index", TETRAHEDRON[0], 4, faces[0], 4, NULL), DQA_SUCCESS);
+    memcpy(faces, FACES, sizeof faces);
+    faces[2][1] = FACES[2][2];
+    faces[2][2] = FACES[2][1];
+    assert_int_equal(dqa_shape_space_add_mesh(space, "turned", TETRAHEDRON[0], 4, faces[0], 4, NULL), DQA_ERROR_MESH);
+
+    memcpy(vertices, TETRAHEDRON, sizeof vertices);
+    vertices[1][2] = NAN;
+    assert_int_equal(dqa_shape_space_add_mesh(space, "nan", vertices[0], 4, FACES[0], 4, NULL), DQA_ERROR_MESH);
+    memset(vertices, 0, sizeof vertices);
+    assert_int_equal(dqa_shape_space_add_mesh(space, "flat", vertices[0], 4, FACES[0], 4, NULL), DQA_ERROR_MESH);
+
+    ok(dqa_shape_space_add_mesh(space, "good", TETRAHEDRON[0], 4, FACES[0], 4, &base));
+    assert_int_equal(base, 0);
+    assert_string_equal(dqa_shape_space_base_name(space, 0), "good");
+    assert_string_equal(dqa_shape_space_base_name(space, 1), "");
+    assert_string_equal(dqa_shape_space_base_name(space, -1), "");
+    dqa_shape_space_free(space);
+}
+
+static void mesh_files_are_checked(void** state) {
+    dqa_shape_space* space = tiny_space_open();
+    FILE* file;
+    (void)state;
+    refused(dqa_shape_space_add_mesh_file(space, "no/such/file.stl", NULL), DQA_ERROR_IO, "stl");
+    file = fopen("garbage.stl", "wb");
+    assert_non_null(file);
+    fputs("solid but then nothing that an STL file would say", file);
+    fclose(file);
+    refused(dqa_shape_space_add_mesh_file(space, "garbage.stl", NULL), DQA_ERROR_FILE, "stl");
+    file = fopen("empty.stl", "wb");
+    assert_non_null(file);
+    fclose(file);
+    refused(dqa_shape_space_add_mesh_file(space, "empty.stl", NULL), DQA_ERROR_FILE, "stl");
+    dqa_shape_space_free(space);
+}
+
+static void actuators_are_checked(void** state) {
+    dqa_shape_space_options options = tiny_options();
+    dqa_shape_space* space = tiny_space_open();
+    dqa_shape_space* unscaled = NULL;
+    dqa_actuator_options actuator, wrong, read;
+    double* cells = doubles(N_CELLS);
+    int axis;
+    (void)state;
+    ok(dqa_actuator_options_init(&actuator, sizeof actuator));
+    ok(dqa_actuator_options_init(&read, sizeof read));
+    actuator.mean[0] = -0.2;
+    actuator.variance[0] = 0.02;
+    actuator.variance[1] = 0.01;
+    actuator.variance[2] = 0.01;
+
+    assert_int_equal(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, &read), DQA_ERROR_STATE);
+    refused(dqa_shape_space_add_actuator(space, 9, &actuator), DQA_ERROR_ARGUMENT, "base");
+    refused(dqa_shape_space_add_actuator(space, -1, &actuator), DQA_ERROR_ARGUMENT, "base");
+    for (axis = 0; axis < 3; ++axis) {
+        wrong = actuator;
+        wrong.variance[axis] = 0.0;
+        refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "variance");
+        wrong = actuator;
+        wrong.mean[axis] = NAN;
+        refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "mean");
+        wrong = actuator;
+        wrong.euler[axis] = INFINITY;
+        refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "euler");
+    }
+    wrong = actuator;
+    wrong.category = 5;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "category");
+    wrong = actuator;
+    wrong.padding = 1;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "padding");
+    wrong = actuator;
+    wrong.flags = 1;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "flags");
+
+    ok(dqa_shape_space_add_actuator(space, 0, &actuator));
+    assert_int_not_equal(dqa_shape_space_add_actuator(space, 0, &actuator), DQA_SUCCESS); /* one of each category */
+    ok(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, &read));
+    assert_memory_equal(read.mean, actuator.mean, sizeof read.mean);
+    assert_memory_equal(read.variance, actuator.variance, sizeof read.variance);
+    refused(dqa_shape_space_get_actuator(space, 2, DQA_ACTUATOR_CAUDAL, &read), DQA_ERROR_ARGUMENT, "base");
+    refused(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, NULL), DQA_ERROR_ARGUMENT, "options");
+
+    /* The base without one gets its own from its geometry. */
+    ok(dqa_shape_space_build(space, NULL, NULL));
+    ok(dqa_shape_space_get_actuator(space, 1, DQA_ACTUATOR_CAUDAL, &read));
+    assert_true(read.variance[0] > 0.0 && read.variance[1] > 0.0 && read.variance[2] > 0.0);
+    refused(dqa_shape_space_get_actuator(space, 1, 5, &read), DQA_ERROR_ARGUMENT, "category");
+    dqa_shape_space_free(space);
+
+    /* Without a cell size, metres have no meaning yet. */
+    options.cell_size = 0.0;
+    ok(dqa_shape_space_create(&options, &unscaled));
+    ellipsoid(cells, 5.0, 2.0, 2.0);
+    ok(dqa_shape_space_add_density(unscaled, "a", cells, N_CELLS, NULL));
+    refused(dqa_shape_space_add_actuator(unscaled, 0, &actuator), DQA_ERROR_STATE, "cell_size");
+    dqa_shape_space_free(unscaled);
+    free(cells);
+}
+
+static void build_freezes(void** state) {
+    dqa_shape_space* space = tiny_space_open();
+    dqa_shape_space* bare = NULL;
+    dqa_shape_space_info info;
+    dqa_actuator_options actuator;
+    double* cells = doubles(N_CELLS);
+    double* base = doubles(N_CELLS);
+    int64_t calls = 0;
+    (void)state;
+    ok(dqa_shape_space_create(NULL, &bare));
+    assert_int_equal(dqa_shape_space_build(bare, NULL, NULL), DQA_ERROR_STATE); /* no base yet */
+    dqa_shape_space_free(bare);
+
+    ok(dqa_shape_space_get_info(space, &info, sizeof info));
+    assert_int_equal(info.is_built, 0);
+    assert_int_equal(info.n_signals, 0);
+    ok(dqa_shape_space_build(space, count_progress, &calls));
+    ok(dqa_shape_space_get_info(space, &info, sizeof info));
+    assert_int_equal(info.struct_size, sizeof info);
+    assert_int_equal(info.dims, 3);
+    assert_int_equal(info.cells_x, NX);
+    assert_int_equal(info.cells_y, NY);
+    assert_int_equal(info.cells_z, NZ);
+    assert_int_equal(info.n_cells, N_CELLS);
+    assert_int_equal(info.n_bases, N_BASES);
+    assert_int_equal(info.is_built, 1);
+    assert_true(info.n_signals > 0);
+    assert_true(info.cell_size == 0.1);
+
+    assert_int_equal(dqa_shape_space_build(space, NULL, NULL), DQA_ERROR_STATE);
+    ellipsoid(cells, 6.0, 1.8, 2.4);
+    assert_int_equal(dqa_shape_space_add_density(space, "late", cells, N_CELLS, NULL), DQA_ERROR_STATE);
+    assert_int_equal(dqa_shape_space_add_mesh(space, "late", TETRAHEDRON[0], 4, FACES[0], 4, NULL), DQA_ERROR_STATE);
+    assert_int_equal(dqa_shape_space_add_mesh_file(space, "late.stl", NULL), DQA_ERROR_STATE);
+    ok(dqa_actuator_options_init(&actuator, sizeof actuator));
+    assert_int_equal(dqa_shape_space_add_actuator(space, 0, &actuator), DQA_ERROR_STATE);
+
+    ok(dqa_shape_space_get_base(space, 0, base, N_CELLS));
+    assert_memory_equal(base, cells, N_CELLS * sizeof *base);
+    refused(dqa_shape_space_get_base(space, 2, base, N_CELLS), DQA_ERROR_ARGUMENT, "base");
+    refused(dqa_shape_space_get_base(space, 0, base, N_CELLS - 1), DQA_ERROR_ARGUMENT, "cells|n");
+    dqa_shape_space_free(space);
+    free(cells);
+    free(base);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(null_arguments),        cmocka_unit_test(densities_are_checked),
+        cmocka_unit_test(meshes_are_checked),    cmocka_unit_test(mesh_files_are_checked),
+        cmocka_unit_test(actuators_are_checked), cmocka_unit_test(build_freezes),
+    };
+    return cmocka_run_group_tests_name("shape_space", tests, NULL, NULL);
+}

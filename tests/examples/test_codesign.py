@@ -1,0 +1,361 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The main job from end to end: test_codesign.py PROGRAM runs codesign on the shipped shapes and reads every file."""
+import math
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import results
+
+PROGRAM = ""
+SMALL = ["--grid", "24x10x12", "--steps", "10", "--iterations", "4"]
+
+
+class Scratch(unittest.TestCase):
+    """A folder of its own for each class."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.root = tempfile.mkdtemp(prefix="codesign-")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.root, ignore_errors=True)
+
+    def path(self, *parts):
+        return os.path.join(self.root, *parts)
+
+    def codesign(self, *arguments, **keywords):
+        return results.run(PROGRAM, *arguments, **keywords)
+
+    def assert_nothing_half_written(self, folder=None):
+        for where, _, names in os.walk(folder or self.root):
+            for name in names:
+                self.assertFalse(name.endswith(".part"), os.path.join(where, name))
+
+
+class Quick(Scratch):
+    """What a --quick run on the shipped shapes leaves behind."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.out = os.path.join(cls.root, "out")
+        started = time.monotonic()
+        cls.process = results.run(PROGRAM, "--quick", "--out", cls.out)
+        cls.seconds = time.monotonic() - started
+
+    def test_ends_well_and_names_its_files(self):
+        self.assertEqual(self.process.returncode, 0, self.process.stderr)
+        for name in ("codesign.png", "history.csv", "summary.json", "swimmer.pvd", "design.stl", "checkpoint.txt"):
+            self.assertIn(os.path.join(self.out, name), self.process.stdout)
+            self.assertGreater(os.path.getsize(os.path.join(self.out, name)), 0)
+        self.assert_nothing_half_written()
+
+    def test_says_a_line_per_iteration_when_stderr_is_no_terminal(self):
+        lines = [line for line in self.process.stderr.splitlines() if line.startswith("iteration ")]
+        self.assertEqual(len(lines), len(results.read_history(self.out)[1]))
+        self.assertNotIn("\r", self.process.stderr)
+
+    def test_history(self):
+        names, rows = results.read_history(self.out)
+        bases = results.read_summary(self.out)["bases"]
+        self.assertEqual(names, ["iteration", "loss", *("weight_" + base for base in bases), "a", "omega", "phi",
+                                 "grad_norm_weights", "grad_norm_control", "seconds", "newton_iterations",
+                                 "linear_iterations", "adjoint_iterations"])
+        self.assertEqual([int(row[0]) for row in rows], list(range(1, len(rows) + 1)))
+        for row in rows:
+            weights = [float(text) for text in row[2:2 + len(bases)]]
+            self.assertTrue(all(math.isfinite(float(text)) for text in row))
+            self.assertAlmostEqual(sum(weights), 1.0, delta=1e-9)
+            self.assertGreaterEqual(min(weights), 0.0)
+            self.assertTrue(0.0 <= float(row[names.index("a")]) <= 1.0)
+        self.assertGreater(float(rows[0][names.index("grad_norm_weights")]), 0.0)
+        self.assertGreater(float(rows[0][names.index("grad_norm_control")]), 0.0)
+
+    def test_summary(self):
+        summary = results.read_summary(self.out)
+        names, rows = results.read_history(self.out)
+        losses = [float(row[1]) for row in rows]
+        self.assertEqual(summary["loss_first"], losses[0])
+        self.assertEqual(summary["loss_last"], losses[-1])
+        self.assertEqual(summary["loss_best"], min(losses))
+        self.assertEqual(summary["iterations"], len(rows))
+        self.assertLess(summary["loss_best"], summary["loss_first"], "nothing was gained")
+        best = rows[losses.index(min(losses))]
+        self.assertEqual(summary["weights"], [float(text) for text in best[2:2 + len(summary["weights"])]])
+        self.assertEqual(summary["settings"]["grid"], [28, 10, 14])
+        self.assertGreater(summary["cells"]["active"], summary["cells"]["body"])
+
+    def test_the_gradient_is_proven(self):
+        check = results.read_summary(self.out)["gradient_check"]
+        for name in ("weights", "control"):
+            self.assertLessEqual(check[name]["relative_error"], 1e-6, name)
+            self.assertGreater(check[name]["gradient_norm"], 0.0, name)
+            self.assertNotEqual(check[name]["finite_difference"], 0.0, name)
+
+    def test_frames(self):
+        frames = results.read_pvd(os.path.join(self.out, "swimmer.pvd"))
+        steps = results.read_summary(self.out)["settings"]["steps"]
+        self.assertEqual(len(frames), steps + 1)
+        self.assertEqual(sorted(os.listdir(os.path.join(self.out, "frames"))),
+                         [os.path.basename(path) for _, path in frames])
+        rest = results.read_vtu(frames[0][1])
+        self.assertEqual(set(rest["displacement"]), {0.0})
+        for (before, _), (after, _) in zip(frames, frames[1:]):
+            self.assertAlmostEqual(after - before, 1.0 / 30.0, delta=1e-6)
+        for _, path in frames[1:]:
+            now = results.read_vtu(path)
+            self.assertEqual(now["connectivity"], rest["connectivity"])
+            for x, x0, u in zip(now["Points"], rest["Points"], now["displacement"]):
+                self.assertAlmostEqual(x - x0, u, delta=1e-6)
+        self.assertGreater(max(map(abs, now["displacement"])), 1e-4, "the swimmer does not move")
+        self.assertGreater(max(map(abs, now["velocity"])), 1e-3)
+
+    def test_design(self):
+        triangles = results.read_stl(os.path.join(self.out, "design.stl"))
+        rest = results.read_vtu(os.path.join(self.out, "frames", "swimmer_0000.vtu"))
+        self.assertEqual(3 * len(triangles), len(rest["connectivity"]))
+        first = rest["connectivity"][0]
+        self.assertEqual(triangles[0][0], rest["Points"][3 * first:3 * first + 3])
+        xs = [corner[0] for triangle in triangles for corner in triangle]
+        self.assertTrue(0.3 < max(xs) - min(xs) < 1.5, "about a metre long")
+
+    def test_picture(self):
+        width, height, rows = results.read_png(os.path.join(self.out, "codesign.png"))
+        self.assertGreaterEqual(width, 1200)
+        self.assertGreaterEqual(height, 900)
+        background = rows[0][0]
+        # Curves on top, a swimmer in each half below: ink in every part, and shades of more than a few colours.
+        for top, bottom, left, right in ((0.0, 0.3, 0.0, 0.5), (0.0, 0.3, 0.5, 1.0),
+                                         (0.5, 1.0, 0.0, 0.5), (0.5, 1.0, 0.5, 1.0)):
+            part = [pixel for row in rows[int(top * height):int(bottom * height)]
+                    for pixel in row[int(left * width):int(right * width)]]
+            ink = sum(pixel != background for pixel in part) / len(part)
+            self.assertGreater(ink, 0.02 if top == 0.0 else 0.05)
+            self.assertLess(ink, 0.8)
+        self.assertGreater(len({pixel for row in rows[height // 2:] for pixel in row}), 100)
+
+    def test_ends_within_a_minute(self):
+        if os.environ.get("DQA_TEST_TIMING") != "1":
+            self.skipTest("set DQA_TEST_TIMING=1 on a machine that does nothing else")
+        self.assertLess(self.seconds, 60.0)
+
+
+class Resume(Scratch):
+    """An interrupted run goes on bit for bit."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.reference = os.path.join(cls.root, "reference")
+        cls.process = results.run(PROGRAM, *SMALL, "--out", cls.reference)
+
+    def interrupt(self, out, number, after):
+        """Starts a run and sends it the signal once `after` iterations are on disk; the finished process."""
+        with subprocess.Popen([PROGRAM, *SMALL, "--out", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                              text=True) as process:
+            seen, lines = 0, []
+            while seen < after:
+                line = process.stderr.readline()
+                self.assertTrue(line, "ended too early: " + "".join(lines))
+                lines.append(line)
+                seen += line.startswith("iteration ")
+            time.sleep(0.02)
+            process.send_signal(number)
+            lines.append(process.communicate(timeout=60)[1])
+        return process.returncode, "".join(lines)
+
+    def assert_same_as_reference(self, out):
+        self.assertEqual(results.history_without_seconds(out), results.history_without_seconds(self.reference))
+        for name in ("design.stl", "swimmer.pvd", "frames/swimmer_0010.vtu"):
+            with open(os.path.join(out, name), "rb") as a, open(os.path.join(self.reference, name), "rb") as b:
+                self.assertEqual(a.read(), b.read(), name)
+        self.assert_nothing_half_written(out)
+
+    def resume(self, out, *more):
+        process = self.codesign(*SMALL, "--resume", "--out", out, *more)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("continuing after iteration", process.stderr)
+
+    def test_the_same_settings_give_the_same_bits_on_other_thread_counts(self):
+        out = self.path("threads")
+        self.assertEqual(self.process.returncode, 0, self.process.stderr)
+        self.assertEqual(self.codesign(*SMALL, "--threads", 3, "--out", out).returncode, 0)
+        self.assert_same_as_reference(out)
+
+    def test_ctrl_c(self):
+        for number, after in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
+            with self.subTest(signal=number):
+                out = self.path(f"signal-{int(number)}")
+                code, said = self.interrupt(out, number, after)
+                self.assertEqual(code, 130, said)
+                self.assertRegex(said, r"continue with: .*--resume")
+                self.assertFalse(os.path.exists(os.path.join(out, "summary.json")))
+                self.assert_nothing_half_written(out)
+                self.resume(out)
+                self.assert_same_as_reference(out)
+
+    def test_kill(self):
+        out = self.path("killed")
+        code, _ = self.interrupt(out, signal.SIGKILL, 2)
+        self.assertEqual(code, -signal.SIGKILL)
+        self.resume(out)
+        self.assert_same_as_reference(out)
+
+    def test_more_iterations(self):
+        out = self.path("longer")
+        self.assertEqual(self.codesign(*SMALL, "--iterations", 2, "--out", out).returncode, 0)
+        self.resume(out)
+        self.assert_same_as_reference(out)
+
+    def test_a_finished_run_resumes_to_itself(self):
+        out = self.path("finished")
+        shutil.copytree(self.reference, out)
+        self.resume(out)
+        self.assert_same_as_reference(out)
+
+    def test_refuses_a_checkpoint_of_other_settings(self):
+        before = results.history_without_seconds(self.reference)
+        for more, word in ((["--steps", "11"], "steps"), (["--grid", "26x10x12"], "grid"),
+                           (["--fixed-control"], "control"), (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
+            process = self.codesign(*SMALL, "--resume", "--out", self.reference, *more)
+            self.assertEqual(process.returncode, 2, process.stderr)
+            self.assertIn(word, process.stderr)
+        self.assertEqual(results.history_without_seconds(self.reference), before)
+
+    def test_refuses_a_damaged_checkpoint(self):
+        with open(os.path.join(self.reference, "checkpoint.txt"), "rb") as stream:
+            whole = stream.read()
+        middle = len(whole) // 2
+        for content in (whole[:middle], whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1:], b""):
+            out = self.path("damaged")
+            os.makedirs(out, exist_ok=True)
+            with open(os.path.join(out, "checkpoint.txt"), "wb") as stream:
+                stream.write(content)
+            process = self.codesign(*SMALL, "--resume", "--out", out)
+            self.assertEqual(process.returncode, 1, process.stderr)
+            self.assertIn("damaged", process.stderr)
+
+
+class Refusals(Scratch):
+    """Wrong input is refused with a message that names it, and leaves nothing behind."""
+
+    def refuse(self, code, pattern, *arguments, **keywords):
+        out = os.path.join(tempfile.mkdtemp(dir=self.root), "refused")
+        process = self.codesign("--quick", "--out", out, *arguments, **keywords)
+        self.assertEqual(process.returncode, code, process.stderr)
+        self.assertTrue(re.search(pattern, process.stderr), process.stderr)
+        self.assertTrue(all(line.startswith("codesign: ") for line in process.stderr.splitlines()), process.stderr)
+        self.assertFalse(os.path.exists(out), "a folder was left behind")
+
+    def test_command_line(self):
+        for text in ("60x16", "60x16x26x2", "ax16x26", "60x16x4", "60x16x9999", "60,16,26", "-60x16x26", ""):
+            self.refuse(2, "--grid", "--grid", text)
+        for option in ("--iterations", "--steps", "--threads"):
+            for text in ("0", "-1", "1.5", "many", "99999999999999999999"):
+                self.refuse(2, option, option, text)
+        self.refuse(2, "--frobnicate", "--frobnicate")
+        self.refuse(2, "expects a value", "--steps")
+
+    def test_weights(self):
+        self.refuse(2, "sum to 1", "--weights", "0.5,0.5,0.5,0.5")
+        self.refuse(2, "2 weights for 4 meshes", "--weights", "0.5,0.5")
+        self.refuse(2, "--weights expects", "--weights", "1.5,-0.5,0,0")
+        self.refuse(2, "--weights expects", "--weights", "0.5;0.5")
+        self.refuse(2, "--weights expects", "--weights", "nan,0,0,1")
+
+    def test_meshes(self):
+        garbage = self.path("garbage.stl")
+        with open(garbage, "wb") as stream:
+            stream.write(b"garbage" * 100)
+        with open(self.path("empty.stl"), "wb"):
+            pass
+        self.refuse(1, "missing.stl", self.path("missing.stl"))
+        self.refuse(1, "garbage.stl", garbage)
+        self.refuse(1, "empty.stl", self.path("empty.stl"))
+        self.refuse(1, "DQA_SHAPES_DIR", env={**os.environ, "DQA_SHAPES_DIR": self.path("nowhere")})
+
+    def test_resume_without_a_checkpoint(self):
+        self.refuse(2, "no checkpoint", "--resume")
+
+    def test_folder(self):
+        blocked = self.path("blocked")
+        with open(blocked, "w"):
+            pass
+        folders = [blocked, os.path.join(blocked, "out"), self.path("missing", "out"), "/proc/codesign-out"]
+        if os.geteuid() != 0:
+            os.makedirs(self.path("locked"))
+            os.chmod(self.path("locked"), 0o555)
+            folders += [self.path("locked"), self.path("locked", "out")]
+        for folder in folders:
+            process = self.codesign("--quick", "--out", folder)
+            self.assertEqual(process.returncode, 1, process.stderr)
+            self.assertIn(folder, process.stderr)
+        self.assertEqual(os.path.getsize(blocked), 0)
+
+    def test_help(self):
+        process = self.codesign("--help")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
+                       "--resume", "--threads"):
+            self.assertIn(option, process.stdout)
+
+
+class Shortage(Scratch):
+    """A full disk or a missing helper program. A file-size limit stands in for the full disk: writes fail in the
+    middle of a file, as they do there."""
+
+    def limited(self, size, out):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        return self.codesign(*SMALL, "--iterations", 2, "--out", out, preexec_fn=limit)
+
+    def test_no_room_at_all(self):
+        out = self.path("none")
+        process = self.limited(100, out)
+        self.assertEqual(process.returncode, 1, process.stderr)
+        self.assertIn("cannot write", process.stderr)
+        self.assertFalse(os.path.exists(out))
+
+    def test_no_room_for_the_frames(self):
+        out = self.path("few")
+        process = self.limited(8000, out)
+        self.assertEqual(process.returncode, 1, process.stderr)
+        self.assertIn("cannot write", process.stderr)
+        self.assert_nothing_half_written(out)
+        self.assertFalse(os.path.exists(os.path.join(out, "summary.json")))
+        self.assertEqual(len(results.read_history(out)[1]), 2)
+        again = self.codesign(*SMALL, "--iterations", 2, "--resume", "--out", out)
+        self.assertEqual(again.returncode, 0, again.stderr)
+
+    def test_standard_output_is_full(self):
+        with open("/dev/full", "w") as full:
+            process = subprocess.run([PROGRAM, *SMALL, "--iterations", "1", "--out", self.path("full")], stdout=full,
+                                     stderr=subprocess.PIPE, text=True, timeout=600)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("standard output", process.stderr)
+
+    def test_without_gnuplot(self):
+        out = self.path("plain")
+        process = self.codesign(*SMALL, "--iterations", 1, "--out", out, env={**os.environ, "PATH": self.root})
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("gnuplot is not installed", process.stderr)
+        self.assertNotIn("codesign.png", process.stdout)
+        self.assertTrue(os.path.exists(os.path.join(out, "summary.json")))
+        self.assertFalse(os.path.exists(os.path.join(out, "codesign.png")))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit("usage: test_codesign.py PROGRAM [unittest arguments]")
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)

@@ -1,0 +1,42 @@
+#!/bin/sh
+# Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the whole suite
+# of the optimised build, whose ctest summary is the last thing printed. Stops at the first run that fails.
+#   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
+#   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
+#   DQA_TEST_ASAN   0 leaves the sanitizer run out
+set -eu
+cd "$(dirname "$0")/.."
+repo=$(pwd)
+
+./tests/setup.sh
+
+if [ -z "${DQA_TEST_DATA:-}" ] && [ -d "$repo/../shared/data" ]; then
+    DQA_TEST_DATA=$(cd "$repo/../shared/data" && pwd)
+fi
+if [ -n "${DQA_TEST_DATA:-}" ]; then
+    export DQA_TEST_DATA
+else
+    echo "run: DQA_TEST_DATA is not set: tests that read mesh files will skip"
+fi
+
+jobs=${DQA_TEST_JOBS:-$(nproc)}
+launcher=
+if command -v ccache >/dev/null 2>&1; then
+    launcher="-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache"
+fi
+
+build() {
+    echo "run: building preset $1"
+    # shellcheck disable=SC2086  # two options or none
+    cmake --preset "$1" $launcher
+    cmake --build --preset "$1" --parallel "$jobs"
+}
+
+build default
+if [ "${DQA_TEST_ASAN:-1}" != 0 ]; then
+    build asan
+    echo "run: tests under the address and undefined-behaviour sanitizers"
+    ctest --preset asan --parallel "$jobs"
+fi
+echo "run: all tests"
+ctest --preset default --parallel "$jobs"

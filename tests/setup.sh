@@ -1,0 +1,50 @@
+#!/bin/sh
+# Installs the Debian packages that the library, its tests and its tools need. Needs no root when all are there.
+set -eu
+
+# package              purpose
+packages=$(sed 's/#.*//' <<'LIST'
+g++                    # C99 and C++20 compiler
+cmake                  # build system, 3.25 or later
+ninja-build            # the generator of the presets
+pkg-config             # the install test finds the library through it, as callers do
+python3                # the ABI and layering checks
+libeigen3-dev          # small matrices, sparse fall-back solvers
+libsuitesparse-dev     # CHOLMOD and UMFPACK: sparse factorisations
+libopenblas-dev        # BLAS under CHOLMOD
+libassimp-dev          # OBJ and PLY meshes
+libcmocka-dev          # test framework
+ccache                 # makes the second build short
+LIST
+)
+
+missing=
+for package in $packages; do
+    status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+    case $status in
+        "install ok installed") ;;
+        *) missing="$missing $package" ;;
+    esac
+done
+
+if [ -z "$missing" ]; then
+    echo "setup: all system packages are there"
+    exit 0
+fi
+
+echo "setup: installing$missing"
+if [ "$(id -u)" -eq 0 ]; then
+    as_root=
+elif command -v sudo >/dev/null 2>&1; then
+    as_root=sudo
+else
+    echo "setup: error: neither root nor sudo; install as root: apt-get install$missing" >&2
+    exit 1
+fi
+if ! command -v apt-get >/dev/null 2>&1; then
+    echo "setup: error: no apt-get here; install by hand what corresponds to:$missing" >&2
+    exit 1
+fi
+$as_root apt-get update -q
+# shellcheck disable=SC2086  # the list is meant to be split
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
