@@ -291,7 +291,8 @@ DQA_API dqa_status dqa_simulator_forces(const dqa_simulator *simulator, double *
 DQA_API dqa_status dqa_simulator_surface(const dqa_simulator *simulator, double *vertices, int64_t nv,
                                          int32_t *triangles, int64_t nt, int64_t *n_vertices, int64_t *n_triangles);
 /* The simulated cells: nodes of each [n_active_cells][8] (corner = 4 ix + 2 iy + iz), index of each in the box
- * [n_active_cells], occupancy of each [n_active_cells]. NULL: not wanted. */
+ * [n_active_cells], occupancy of each [n_active_cells] (> 0; 1 at the density's peak, a little more above it). NULL: not
+ * wanted. */
 DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *cell_nodes, int64_t n_cell_nodes,
                                       int32_t *cell_box_index, int64_t n_cells, double *occupancy,
                                       int64_t n_occupancy);

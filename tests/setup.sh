@@ -12,8 +12,9 @@ python3                # the ABI and layering checks
 libeigen3-dev          # small matrices, sparse fall-back solvers
 libsuitesparse-dev     # CHOLMOD and UMFPACK: sparse factorisations
 libopenblas-dev        # BLAS under CHOLMOD
-libassimp-dev          # OBJ and PLY meshes
+libassimp-dev          # STL, OBJ and PLY meshes
 libcmocka-dev          # test framework
+gnuplot-nox            # the pictures of codesign
 ccache                 # makes the second build short
 LIST
 )

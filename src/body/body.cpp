@@ -53,7 +53,7 @@ Body::Body(const ActiveSet& set, const std::vector<double>& mu, const std::vecto
     }
 }
 
-double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals, int threads, double* elastic_out,
+double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals, Threads threads, double* elastic_out,
                       double* muscle_out) const {
     const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
     const std::size_t groups = static_cast<std::size_t>(entries_.n_blocks());
@@ -87,7 +87,7 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
     return energy;
 }
 
-void Body::product(BodyWorkspace& ws, const double* p, int threads, double* out) const {
+void Body::product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const {
     parallel_chunks(threads, cells_.n_blocks(), kGrain, [&](int begin, int end) {
         kernels_.elastic_product(p, cells_.nodes(), elastic_weight_.data(), inv_dx_, begin, end,
                                  ws.elastic_cache.data(), ws.elastic_force.data());
@@ -121,7 +121,7 @@ void Body::filter(BodyWorkspace& ws) const {
         }
 }
 
-void Body::parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, int threads, double* mu_bar,
+void Body::parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, Threads threads, double* mu_bar,
                               double* weight_bar, double* signal_bar) const {
     std::vector<double> bar(static_cast<std::size_t>(cells_.n_blocks()) * 8);
     parallel_chunks(threads, cells_.n_blocks(), kGrain, [&](int begin, int end) {

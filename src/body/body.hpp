@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "grid/parallel.hpp"
 #include "body/kernels.hpp"
 #include "grid/active_set.hpp"
 
@@ -36,17 +37,17 @@ public:
     int n_muscles() const { return static_cast<int>(muscles_.size()); }
 
     // Energy; elastic_out and muscle_out [n_nodes][3] are overwritten with dE/dq of each part. Fills the linearisation.
-    double gradient(BodyWorkspace& ws, const double* q, const double* signals, int threads, double* elastic_out,
+    double gradient(BodyWorkspace& ws, const double* q, const double* signals, Threads threads, double* elastic_out,
                     double* muscle_out) const;
     // out += H p at the last gradient.
-    void product(BodyWorkspace& ws, const double* p, int threads, double* out) const;
+    void product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative): limits the rotation term
     // so that each Gauss point's twist stiffness is >= 0, and drops compressive transverse muscle stiffness.
     void filter(BodyWorkspace& ws) const;
 
     // Cotangents of lambda . dE/dq at q (the workspace holds the gradient there): mu_bar [n_cells],
     // weight_bar [n_muscles], signal_bar [n_signals]; all are added to.
-    void parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, int threads, double* mu_bar,
+    void parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, Threads threads, double* mu_bar,
                             double* weight_bar, double* signal_bar) const;
 
 private:

@@ -76,7 +76,7 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
         }
 }
 
-void BlockLayout::add_to_nodes(const double* element_force, double* out, int threads) const {
+void BlockLayout::add_to_nodes(const double* element_force, double* out, Threads threads) const {
     parallel_chunks(threads, n_nodes_, 512, [&](int begin, int end) {
         for (int n = begin; n < end; ++n) {
             double x = 0.0, y = 0.0, z = 0.0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "grid/parallel.hpp"
 #include "grid/box.hpp"
 
 namespace dqa {
@@ -38,7 +39,7 @@ public:
     // 3 * node as [block][8 corners][8 lanes]; padding lanes repeat the last element.
     const int* nodes() const { return nodes_.data(); }
     // out[node][3] += sum of element forces, laid out [block][8 corners][3][8 lanes].
-    void add_to_nodes(const double* element_force, double* out, int threads) const;
+    void add_to_nodes(const double* element_force, double* out, Threads threads) const;
     // values [n_elements] -> [block][8], padding lanes 0.
     std::vector<double> blocked(const std::vector<double>& values) const;
 

@@ -1,39 +1,87 @@
 // SPDX-License-Identifier: MIT
-// Threads of one call: OpenMP loops whose results do not depend on the number of threads, and that carry exceptions
-// out of the parallel region. Sums are taken over chunks of fixed size and added in order.
+// Threads of one call: loops whose results do not depend on the number of threads, and that carry exceptions out of the
+// parallel part. Sums are taken over chunks of fixed size and added in order.
+//
+// A step runs thousands of loops of some ten microseconds. Opening a parallel region for each would wait at every
+// loop's end for all threads, also for one that the system has put aside: on a busy machine that costs a time slice a
+// loop. So a WorkCrew opens one region around the whole step; inside it the calling thread posts loops, and workers
+// help with chunks while there are any. The caller waits only for chunks that a worker has begun.
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
+#include <atomic>
+#include <cstdint>
 #include <exception>
+#include <functional>
+#include <mutex>
 #include <vector>
 
 namespace dqa {
 
-// f(begin, end) over [0, n) in chunks of `grain`; any order, any thread.
+class WorkCrew {
+public:
+    explicit WorkCrew(int threads) : threads_(threads) {}
+    WorkCrew(const WorkCrew&) = delete;
+    WorkCrew& operator=(const WorkCrew&) = delete;
+
+    // Runs `work` on the calling thread with threads - 1 helpers standing by for for_chunks.
+    void run(const std::function<void()>& work);
+    // f(chunk) for chunks 0 ... count - 1, any order, any thread; only from within run, on the calling thread.
+    void for_chunks(int count, const std::function<void(int)>& f);
+
+private:
+    void help();
+    void take_chunks();
+
+    int threads_;
+    // Even: no loop is open; odd: one is. Workers announce themselves in inside_ before they look, and the caller
+    // closes the loop before it looks at inside_: one of the two always sees the other.
+    alignas(64) std::atomic<std::uint32_t> epoch_{0};
+    alignas(64) std::atomic<int> inside_{0};
+    alignas(64) std::atomic<int> next_{0};
+    std::atomic<bool> stop_{false};
+    int count_ = 0;
+    const std::function<void(int)>* job_ = nullptr;
+    std::mutex error_mutex_;
+    std::exception_ptr error_;
+};
+
+// How a function may use threads: a number (1: none), and the crew it runs in, if any.
+struct Threads {
+    int count = 1;
+    WorkCrew* crew = nullptr;
+    Threads(int n) : count(n) {}  // NOLINT(google-explicit-constructor): a plain number says it all
+    Threads(int n, WorkCrew* c) : count(n), crew(c) {}
+};
+
+// work(threads) with a crew standing by if there is more than one thread.
 template <class F>
-void parallel_chunks(int threads, int n, int grain, F&& f) {
-    const int chunks = (n + grain - 1) / grain;
-    if (threads <= 1 || chunks <= 1) {
-        for (int k = 0; k < chunks; ++k) f(k * grain, std::min(n, (k + 1) * grain));
+void with_crew(int count, F&& work) {
+    if (count <= 1) {
+        work(Threads(1));
         return;
     }
-    std::exception_ptr error;
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (int k = 0; k < chunks; ++k) {
-        try {
-            f(k * grain, std::min(n, (k + 1) * grain));
-        } catch (...) {
-#pragma omp critical(dqa_parallel_error)
-            if (!error) error = std::current_exception();
-        }
+    WorkCrew crew(count);
+    crew.run([&] { work(Threads(count, &crew)); });
+}
+
+// f(begin, end) over [0, n) in chunks of `grain`; any order, any thread.
+template <class F>
+void parallel_chunks(Threads threads, int n, int grain, F&& f) {
+    const int chunks = (n + grain - 1) / grain;
+    const auto one = [&](int k) { f(k * grain, std::min(n, (k + 1) * grain)); };
+    if (threads.count <= 1 || chunks <= 1) {
+        for (int k = 0; k < chunks; ++k) one(k);
+    } else if (threads.crew) {
+        threads.crew->for_chunks(chunks, one);
+    } else {
+        with_crew(threads.count, [&](Threads t) { t.crew->for_chunks(chunks, one); });
     }
-    if (error) std::rethrow_exception(error);
 }
 
 // Ordered sum of f(begin, end) over chunks of `grain`: the same bits for any number of threads.
 template <class F>
-double parallel_sum(int threads, int n, int grain, F&& f) {
+double parallel_sum(Threads threads, int n, int grain, F&& f) {
     const int chunks = (n + grain - 1) / grain;
     std::vector<double> partial(static_cast<std::size_t>(chunks), 0.0);
     parallel_chunks(threads, n, grain,

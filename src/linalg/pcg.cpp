@@ -22,7 +22,7 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
     std::fill(x, x + n, 0.0);
     ws.r.assign(b, b + n), ws.r_old.resize(n), ws.z.resize(n), ws.p.resize(n), ws.ap.resize(n);
     const double norm_b = std::sqrt(ordered_dot(b, b, n));
-    if (!(norm_b > 0)) {
+    if (norm_b == 0) {  // not for NaN, which must not pass for a solved system
         result.converged = true;
         return result;
     }

@@ -115,6 +115,7 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
 bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x) {
     Context context;
     cholmod_common& c = context.c;
+    c.final_ll = 1;  // small matrices are not factorised by supernodes but as L D L^T, which lets negative pivots pass
     cholmod_sparse a = view_of(matrix);
     cholmod_factor* l = cholmod_analyze(&a, &c);
     check_memory(c);

@@ -32,12 +32,12 @@ void Stepper::begin(const double* q, const double* v) {
     }
     noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
     if (const Water* water = design_->water())
-        water->lag(water_, q, v, design_->sensors().direction(q), scene_.threads);
+        water->lag(water_, q, v, design_->sensors().direction(q), threads_);
 }
 
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
     Evaluation e;
-    e.energy = design_->body().gradient(body_, q_new, signals, scene_.threads, elastic_.data(), muscle_.data());
+    e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
     e.scale = norm(elastic_.data(), size_) + norm(muscle_.data(), size_);
     const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
     double inertia = 0.0, inertia2 = 0.0;
@@ -50,7 +50,7 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     e.scale += std::sqrt(inertia2);
     if (const Water* water = design_->water()) {
         std::fill(trial_.begin(), trial_.end(), 0.0);
-        e.energy += water->gradient(water_, q_new, q_old_.data(), scene_.time_step, scene_.threads, trial_.data());
+        e.energy += water->gradient(water_, q_new, q_old_.data(), scene_.time_step, threads_, trial_.data());
         e.scale += norm(trial_.data(), size_);
         for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
     }
@@ -63,8 +63,8 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
 void Stepper::apply_hessian(const double* p, double* out) {
     const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
     for (std::size_t i = 0; i < size_; ++i) out[i] = design_->mass()[i / 3] * inv_h2 * p[i];
-    design_->body().product(body_, p, scene_.threads, out);
-    if (const Water* water = design_->water()) water->product(water_, p, scene_.time_step, scene_.threads, out);
+    design_->body().product(body_, p, threads_, out);
+    if (const Water* water = design_->water()) water->product(water_, p, scene_.time_step, threads_, out);
 }
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
@@ -151,6 +151,15 @@ void Stepper::fail_step(Status status, long step, const char* why, double relati
 
 StepReport Stepper::step(const double* q, const double* v, const double* signals, long step, double* q_new) {
     StepReport report;
+    with_crew(scene_.threads, [&](Threads threads) {
+        threads_ = threads;
+        report = solve(q, v, signals, step, q_new);
+    });
+    return report;
+}
+
+StepReport Stepper::solve(const double* q, const double* v, const double* signals, long step, double* q_new) {
+    StepReport report;
     begin(q, v);
     std::vector<double> x(y_), candidate(size_);
     Evaluation now = evaluate(x.data(), signals);
@@ -221,6 +230,17 @@ AdjointReport Stepper::adjoint(const double* q, const double* v, const double* s
                                DesignBar& bar) {
     AdjointReport report;
     if (norm(q_new_bar, size_) == 0.0) return report;
+    with_crew(scene_.threads, [&](Threads threads) {
+        threads_ = threads;
+        report = pull_back(q, v, signals, q_new, step, q_new_bar, q_bar, v_bar, signal_bar, bar);
+    });
+    return report;
+}
+
+AdjointReport Stepper::pull_back(const double* q, const double* v, const double* signals, const double* q_new,
+                                 long step, const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar,
+                                 DesignBar& bar) {
+    AdjointReport report;
     begin(q, v);
     evaluate(q_new, signals);
     const auto residual_of = [&](const std::vector<double>& x) {
@@ -263,7 +283,7 @@ AdjointReport Stepper::adjoint(const double* q, const double* v, const double* s
         bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_h2;
         lambda_[i] = -lambda_[i];
     }
-    design_->body().parameter_pullback(body_, q_new, lambda_.data(), scene_.threads, bar.mu.data(),
+    design_->body().parameter_pullback(body_, q_new, lambda_.data(), threads_, bar.mu.data(),
                                        bar.muscle_weight.data(), signal_bar);
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};

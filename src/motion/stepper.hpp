@@ -54,6 +54,10 @@ private:
         double energy = 0.0, residual = 0.0, scale = 0.0;
         bool finite = true;
     };
+    // step and adjoint inside the crew of their threads.
+    StepReport solve(const double* q, const double* v, const double* signals, long step, double* q_new);
+    AdjointReport pull_back(const double* q, const double* v, const double* signals, const double* q_new, long step,
+                            const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar, DesignBar& bar);
     void begin(const double* q, const double* v);
     Evaluation evaluate(const double* q_new, const double* signals);
     void apply_hessian(const double* p, double* out);
@@ -65,6 +69,7 @@ private:
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
     std::size_t size_;  // 3 n_nodes
+    Threads threads_{1};  // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;
     PcgWorkspace krylov_;

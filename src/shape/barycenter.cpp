@@ -12,8 +12,9 @@
 namespace dqa {
 namespace {
 
-constexpr double kFloor = 1e-290;      // of K w in the linear form
-constexpr double kNegligible = 1e-30;  // of the peak of p: a floored cell may carry no more than this
+constexpr double kFloor = 1e-290;  // of K w in the linear form
+const double kLogFloor = std::log(kFloor);
+const double kLogNegligible = std::log(1e-30);  // of the peak of p: a floored cell may carry no more than this
 
 // One half-iteration of base i: from x (log v) to log(K v) and log d. Linear: returns the cells where d was floored.
 class Sweep {
@@ -140,16 +141,17 @@ bool solve_with(const GaussianKernel& kernel, const std::vector<std::vector<doub
                 sweep.base(static_cast<std::size_t>(i), x.data() + at, out.log_kv.data() + at, out.log_d.data() + at);
             }
         });
-        double peak = 0.0;
+        double log_peak = -std::numeric_limits<double>::infinity();
         for (std::size_t c = 0; c < n; ++c) {
             double s = 0.0;
             for (std::size_t i = 0; i < m; ++i)
                 if (weights[i] > 0) s += weights[i] * out.log_d[i * n + c];
             log_p[c] = s;
             out.p[c] = std::exp(s);
-            peak = std::max(peak, out.p[c]);
+            log_peak = std::max(log_peak, s);
         }
-        bool finite = std::isfinite(peak) && peak > 0;
+        // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
+        bool finite = std::isfinite(log_peak) && (logarithmic || std::exp(log_peak) > 0);
         double error = 0.0;
         for (std::size_t i = 0; i < m && finite; ++i) {
             double e = 0.0;
@@ -157,7 +159,7 @@ bool solve_with(const GaussianKernel& kernel, const std::vector<std::vector<doub
                 const double log_d = out.log_d[i * n + c];
                 e += std::fabs(std::exp(x[i * n + c] + log_d) - out.p[c]);
                 f[i * n + c] = log_p[c] - log_d - x[i * n + c];
-                if (!logarithmic && log_d <= std::log(kFloor) && out.p[c] > kNegligible * peak) return false;
+                if (!logarithmic && log_d <= kLogFloor && log_p[c] > log_peak + kLogNegligible) return false;
             }
             error = std::max(error, e);
             finite = finite && std::isfinite(e);
@@ -184,7 +186,8 @@ bool solve_with(const GaussianKernel& kernel, const std::vector<std::vector<doub
             best_error = std::numeric_limits<double>::infinity();
         } else {
             std::vector<double> weight(n);
-            for (std::size_t c = 0; c < n; ++c) weight[c] = out.p[c] / peak;
+            const double peak = std::exp(log_peak);
+            for (std::size_t c = 0; c < n; ++c) weight[c] = peak > 0 ? out.p[c] / peak : std::exp(log_p[c] - log_peak);
             anderson.step(x, f, weight);
         }
         last_error = error;
@@ -244,9 +247,13 @@ private:
 Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
                             const std::vector<double>& weights, const BarycenterSettings& settings) {
     Barycenter solution;
-    if (!settings.force_log && solve_with(kernel, bases, weights, settings, false, solution)) return solution;
-    if (!settings.force_log) log_message(3, "barycentre: the linear kernel underflows here; logarithmic kernel used");
-    solve_with(kernel, bases, weights, settings, true, solution);
+    with_crew(settings.threads.count, [&](Threads threads) {
+        BarycenterSettings s(settings);
+        s.threads = threads;
+        if (!s.force_log && solve_with(kernel, bases, weights, s, false, solution)) return;
+        if (!s.force_log) log_message(3, "barycentre: the linear kernel underflows here; logarithmic kernel used");
+        solve_with(kernel, bases, weights, s, true, solution);
+    });
     return solution;
 }
 
@@ -256,8 +263,8 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
 // gradients in the subspace of the constraint, where the operator is symmetric positive semi-definite. Then
 // dL/dalpha_k = <tau, log d_k>. (Derivation: lambda_i = J_i^T (lambda_i - alpha_i t), t = g p + sum_i lambda_i, written
 // for m_i = lambda_i / p; J_i is self-adjoint under p at the fixed point, so m_i = -alpha_i (I - J_i)^+ J_i tau.)
-std::vector<double> barycenter_pullback(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
-                                        const Barycenter& s, const double* p_bar, const BarycenterSettings& settings) {
+static std::vector<double> pull_back(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
+                                     const Barycenter& s, const double* p_bar, const BarycenterSettings& settings) {
     const std::size_t m = static_cast<std::size_t>(s.m), n = static_cast<std::size_t>(s.n);
     const Transition transition(kernel, bases, s);
     std::vector<std::size_t> active;
@@ -351,6 +358,18 @@ std::vector<double> barycenter_pullback(const GaussianKernel& kernel, const std:
         average += bar[k] / static_cast<double>(m);
     }
     for (double& b : bar) b -= average;
+    return bar;
+}
+
+std::vector<double> barycenter_pullback(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
+                                        const Barycenter& solution, const double* p_bar,
+                                        const BarycenterSettings& settings) {
+    std::vector<double> bar;
+    with_crew(settings.threads.count, [&](Threads threads) {
+        BarycenterSettings s(settings);
+        s.threads = threads;
+        bar = pull_back(kernel, bases, solution, p_bar, s);
+    });
     return bar;
 }
 

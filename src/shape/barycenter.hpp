@@ -10,6 +10,7 @@
 #include <functional>
 #include <vector>
 
+#include "grid/parallel.hpp"
 #include "shape/gaussian_kernel.hpp"
 
 namespace dqa {
@@ -18,7 +19,7 @@ struct BarycenterSettings {
     double tolerance = 1e-9;
     int max_iterations = 5000;
     int window = 15;  // Anderson history; 0: plain iteration
-    int threads = 1;
+    Threads threads{1};
     bool force_log = false;  // always the logarithmic kernel (it otherwise takes over where the linear underflows)
     std::function<void(int iteration, double error)> monitor;  // may throw to cancel
 };

@@ -3,9 +3,11 @@
 // that a space read back is the same to the last bit. Written to a temporary file beside the target and renamed, so
 // that a full disk or a kill leaves the old file whole.
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <limits>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -48,6 +50,20 @@ struct Reader {
         need(sizeof value);
         std::memcpy(&value, bytes.data() + at, sizeof value);
         at += sizeof value;
+        return value;
+    }
+    // A value that the rest of the library relies on: a good checksum does not say who wrote the file.
+    void expect(bool good, const char* what, double value) const {
+        if (!good) fail(Status::ERROR_FILE, "'%s': %s is %g, out of range", path.c_str(), what, value);
+    }
+    int integer(const char* what, int least, int most) {
+        const int value = get<std::int32_t>();
+        expect(value >= least && value <= most, what, value);
+        return value;
+    }
+    double positive(const char* what) {
+        const double value = get<double>();
+        expect(value > 0 && std::isfinite(value), what, value);
         return value;
     }
     void doubles(double* p, std::size_t n) {
@@ -134,18 +150,19 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     if (stored != fnv1a(bytes, bytes.size() - sizeof stored))
         fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
     ShapeSettings s;
-    for (int& n : s.cells) {
-        n = r.get<std::int32_t>();
-        if (n < 1 || n > 512) fail(Status::ERROR_FILE, "'%s': grid size %d out of range", path.c_str(), n);
-    }
-    s.margin = r.get<std::int32_t>(), s.up = r.get<std::int32_t>(), s.subsamples = r.get<std::int32_t>();
-    s.peak = static_cast<Peak>(r.get<std::int32_t>());
-    s.max_iterations = r.get<std::int32_t>();
-    s.body_length = r.get<double>(), s.cell_size = r.get<double>(), s.sigma = r.get<double>();
-    s.tolerance = r.get<double>();
-    const double dx = r.get<double>();
+    for (int& n : s.cells) n = r.integer("a number of cells", 1, 512);
+    s.margin = r.integer("margin", 0, 256), s.up = r.integer("up", UP_AUTO, UP_Y);
+    s.subsamples = r.integer("subsamples", 1, 1024);
+    s.peak = static_cast<Peak>(r.integer("peak", 0, static_cast<int>(Peak::paper)));
+    s.max_iterations = r.integer("max_iterations", 1, std::numeric_limits<int>::max());
+    s.body_length = r.positive("body_length");
+    s.cell_size = r.get<double>();
+    r.expect(s.cell_size >= 0 && std::isfinite(s.cell_size), "cell_size", s.cell_size);
+    s.sigma = r.positive("sigma"), s.tolerance = r.positive("tolerance");
+    const double dx = r.positive("the edge of a cell");
     auto space = std::make_shared<ShapeSpace>(s);
     space->box_.dx = dx;
+    const std::size_t n_cells = static_cast<std::size_t>(space->box_.n_cells());
     const std::uint32_t count = r.get<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {
         BaseShape b;
@@ -153,18 +170,32 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
         r.need(length);
         b.name.assign(bytes, r.at, length);
         r.at += length;
-        b.length_in_cells = r.get<double>();
-        b.fractions.resize(static_cast<std::size_t>(space->box_.n_cells()));
-        r.doubles(b.fractions.data(), b.fractions.size());
+        b.length_in_cells = r.positive("a base's length");
+        r.need(n_cells * sizeof(double));  // before memory is asked for
+        b.fractions.resize(n_cells);
+        r.doubles(b.fractions.data(), n_cells);
+        double sum = 0.0;
+        for (const double f : b.fractions) r.expect(f >= 0 && f <= 1, "a covered fraction", f), sum += f;
+        r.expect(sum > 0, "the sum of a base's fractions", sum);
         const std::uint32_t actuators = r.get<std::uint32_t>();
         for (std::uint32_t k = 0; k < actuators; ++k) {
             Actuator a;
-            a.category = static_cast<ActuatorCategory>(r.get<std::int32_t>());
-            r.doubles(a.mean.data(), 3), r.doubles(a.variance.data(), 3), r.doubles(a.euler.data(), 3);
+            const int last = static_cast<int>(ActuatorCategory::caudal);
+            a.category = static_cast<ActuatorCategory>(r.integer("an actuator's category", 0, last));
+            r.doubles(a.mean.data(), 3);
+            for (double& v : a.variance) v = r.positive("an actuator's variance");
+            r.doubles(a.euler.data(), 3);
+            for (const double v : a.mean) r.expect(std::isfinite(v), "an actuator's mean", v);
+            for (const double v : a.euler) r.expect(std::isfinite(v), "an actuator's angle", v);
+            for (const Actuator& other : b.actuators)
+                r.expect(other.category != a.category, "a repeated actuator's category", static_cast<int>(a.category));
             b.actuators.push_back(a);
         }
         space->bases_.push_back(std::move(b));
     }
+    if (r.at != bytes.size() - sizeof stored)
+        fail(Status::ERROR_FILE, "'%s' holds %zu bytes more than its bases need", path.c_str(),
+             bytes.size() - sizeof stored - r.at);
     if (space->bases_.empty()) fail(Status::ERROR_FILE, "'%s' holds no bases", path.c_str());
     space->freeze();
     return space;

@@ -74,7 +74,7 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
         for (const int n : faces_[f].nodes) slot_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n / 3)]++)] = 3 * static_cast<int>(f);
 }
 
-void Water::add_to_nodes(const double* face_force, double* out, int threads) const {
+void Water::add_to_nodes(const double* face_force, double* out, Threads threads) const {
     parallel_chunks(threads, n_nodes_, 512, [&](int begin, int end) {
         for (int n = begin; n < end; ++n) {
             double x = 0.0, y = 0.0, z = 0.0;
@@ -87,7 +87,7 @@ void Water::add_to_nodes(const double* face_force, double* out, int threads) con
     });
 }
 
-void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, int threads) const {
+void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, Threads threads) const {
     const std::size_t nf = faces_.size();
     ws.cd.resize(nf), ws.ct.resize(nf), ws.k.resize(nf), ws.n.resize(3 * nf), ws.area.resize(nf), ws.u.resize(3 * nf);
     ws.force.resize(3 * nf);
@@ -120,7 +120,7 @@ Vec3 Water::new_velocity(const Face& f, const double* q_new, const double* q_old
     return {d[0] * inv_h - settings_.current[0], d[1] * inv_h - settings_.current[1], d[2] * inv_h - settings_.current[2]};
 }
 
-double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, int threads,
+double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, Threads threads,
                        double* out) const {
     const double energy = parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
         double e = 0.0;
@@ -137,7 +137,7 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
     return energy;
 }
 
-void Water::product(WaterWorkspace& ws, const double* p, double h, int threads, double* out) const {
+void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = mean_of(p, faces_[i].nodes);

@@ -13,6 +13,7 @@
 #include <array>
 #include <vector>
 
+#include "grid/parallel.hpp"
 #include "grid/active_set.hpp"
 #include "water/laws.hpp"
 
@@ -50,12 +51,12 @@ public:
     const WaterSettings& settings() const { return settings_; }
 
     // Coefficients at the start of a step: q, v [n_nodes][3], spine direction (unit).
-    void lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, int threads) const;
+    void lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, Threads threads) const;
     // Value of the incremental potential, and out += its gradient with respect to q_new. h: time step (s).
-    double gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, int threads,
+    double gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, Threads threads,
                     double* out) const;
     // out += H p.
-    void product(WaterWorkspace& ws, const double* p, double h, int threads, double* out) const;
+    void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
     // Cotangents of lambda . gradient (q_new held): added to q_bar, v_bar (of the start of the step), spine_bar and
     // occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_old, const double* lambda, double h,
@@ -70,7 +71,7 @@ private:
         double weight_derivative = 0.0;  // d|weight| / d(dG), dG = G_low - G_high
     };
     Vec3 new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const;
-    void add_to_nodes(const double* face_force, double* out, int threads) const;
+    void add_to_nodes(const double* face_force, double* out, Threads threads) const;
 
     WaterSettings settings_;
     WaterLaws laws_;

@@ -262,7 +262,7 @@ static void surface_and_mesh(void** state) {
     for (i = 0; i < 8 * info.n_active_cells; ++i) assert_in_range(nodes[i], 0, info.n_nodes - 1);
     for (i = 0; i < info.n_active_cells; ++i) {
         assert_in_range(cells[i], 0, N_CELLS - 1);
-        assert_true(occupancy[i] > 0.0 && occupancy[i] <= 1.0);
+        assert_true(occupancy[i] > 0.0 && occupancy[i] <= 17.0 / 16.0);
     }
     dqa_simulator_free(simulator);
     free(vertices), free(occupancy), free(triangles), free(nodes), free(cells);

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// The shape space as a whole: weights -> normalised density and actuators and back, what a vertex gives back, building,
+// cancelling, and what it refuses. Its file is the subject of test_space_file.cpp.
+#include "density_fixtures.hpp"
+#include "derivative_checks.hpp"
+#include "shape/mesh_file.hpp"
+#include "shape/shape_space.hpp"
+#include "shape_fixtures.hpp"
+
+namespace {
+
+using namespace fixtures;
+using derivative::Vector;
+
+const Cells small{22, 10, 12};
+
+ShapeSettings settings_of(const Cells& cells) {
+    ShapeSettings s;
+    s.cells = cells;
+    return s;
+}
+
+// Three ellipsoids with muscles of their own; the second has a placed one, in another position and turned.
+ShapeSpace three_bodies(double sigma, Peak peak = Peak::smooth) {
+    ShapeSettings s = settings_of(small);
+    s.sigma = sigma, s.peak = peak, s.max_iterations = 20000, s.cell_size = 0.05;
+    ShapeSpace space(s);
+    space.add_fractions("long", soft_ellipsoid(small, {11, 5, 6}, {8.6, 2.1, 2.7}).data());
+    space.add_fractions("round", soft_ellipsoid(small, {11.3, 5.2, 5.6}, {6.4, 3.0, 3.4}).data());
+    space.add_fractions("high", soft_ellipsoid(small, {10.6, 4.9, 6.3}, {7.2, 1.8, 4.1}).data());
+    Actuator a;
+    a.mean = {-0.12, 0, 0.02}, a.variance = {0.01, 0.004, 0.007}, a.euler = {0.1, 0.2, -0.1};
+    space.add_actuator(1, a);
+    space.build(nullptr);
+    return space;
+}
+
+Vector row(const ShapePoint& p) {
+    Vector out = p.p_hat;
+    for (const ActuatorPoint& a : p.actuators) {
+        for (const Vec3* v : {&a.mean, &a.variance, &a.euler}) out.insert(out.end(), v->begin(), v->end());
+        out.push_back(a.strength);
+    }
+    return out;
+}
+
+void check_gradient(const ShapeSpace& space, const Vector& alpha, const std::vector<Vector>& directions,
+                    bool one_sided) {
+    derivative::Options options;
+    options.noise = 1e-12, options.step = 0.04, options.taylor_step = 0.02;
+    options.directions = directions, options.one_sided = one_sided;
+    derivative::check_pullback(
+        "shape space", [&](const Vector& a) { return row(space.evaluate(a, 1e-13, 1, nullptr)); },
+        [&](const Vector& a, const Vector& bar) {
+            const ShapePoint p = space.evaluate(a, 1e-13, 1, nullptr);
+            std::vector<ActuatorPoint> actuators(p.actuators.size());
+            std::size_t at = p.p_hat.size();
+            for (ActuatorPoint& q : actuators) {
+                for (Vec3* v : {&q.mean, &q.variance, &q.euler})
+                    for (double& x : *v) x = bar[at++];
+                q.strength = bar[at++];
+            }
+            CHECK(at == bar.size());
+            const Vector g = space.pullback(p, bar.data(), actuators, 1e-13, 1, nullptr);
+            NEAR(sum(g), 0, 1e-13 * derivative::norm(g));
+            return g;
+        },
+        alpha, options);
+}
+
+void test_gradient_inside() {
+    for (const double sigma : {0.6, 1.0})
+        check_gradient(three_bodies(sigma), {0.5, 0.2, 0.3}, {{1, -1, 0}, {0.2, 0.5, -0.7}}, false);
+}
+
+void test_gradient_at_the_boundary() {
+    const ShapeSpace space = three_bodies(0.8);
+    check_gradient(space, {0, 1, 0}, {{0.4, -1, 0.6}}, true);
+    check_gradient(space, {0.6, 0, 0.4}, {{-0.4, 0.9, -0.5}}, true);
+}
+
+void test_pullback_takes_parts() {
+    const ShapeSpace space = three_bodies(0.8);
+    const ShapePoint p = space.evaluate({0.5, 0.2, 0.3}, 1e-12, 1, nullptr);
+    derivative::Random random(31);
+    const Vector bar = random.vector(p.p_hat.size());
+    ActuatorPoint by_actuator;
+    by_actuator.mean = {1, 2, 3}, by_actuator.variance = {-4, 5, 6}, by_actuator.euler = {0.1, -0.2, 0.3};
+    const Vector zero(bar.size(), 0.0);
+    const Vector density = space.pullback(p, bar.data(), {}, 1e-12, 1, nullptr);
+    const Vector muscle = space.pullback(p, zero.data(), {by_actuator}, 1e-12, 1, nullptr);
+    const Vector both = space.pullback(p, bar.data(), {by_actuator}, 1e-12, 1, nullptr);
+    CHECK(derivative::norm(density) > 1e-3 && derivative::norm(muscle) > 1e-3);
+    for (std::size_t i = 0; i < 3; ++i) NEAR(both[i], density[i] + muscle[i], 1e-12 * derivative::norm(both));
+    CHECK(space.pullback(p, bar.data(), {by_actuator}, 1e-12, 3, nullptr) == both);
+}
+
+void test_evaluate() {
+    for (const Peak peak : {Peak::smooth, Peak::paper}) {
+        const ShapeSpace space = three_bodies(0.8, peak);
+        const ShapePoint p = space.evaluate({0.5, 0.2, 0.3}, 0, 0, nullptr);
+        CHECK(p.barycenter.marginal_error <= 1e-9);
+        const double top = *std::max_element(p.p_hat.begin(), p.p_hat.end());
+        if (peak == Peak::paper) NEAR(top, 1, 1e-15);
+        if (peak == Peak::smooth) CHECK(top > 1 && top < 1.1);
+        for (std::size_t c = 0; c < p.p_hat.size(); ++c) NEAR(p.p_hat[c] * p.peak, p.barycenter.p[c], 1e-16);
+        CHECK(p.actuators.size() == 1 && p.actuators[0].strength == 1);
+        const ShapePoint threaded = space.evaluate({0.5, 0.2, 0.3}, 0, 4, nullptr);
+        CHECK(threaded.p_hat == p.p_hat);
+    }
+}
+
+// How far the set p_hat > 1/2 at the vertex of a base is from the base: intersection over union.
+double overlap(const ShapeSpace& space, std::size_t i) {
+    Vector alpha(space.bases().size(), 0.0);
+    alpha[i] = 1;
+    const ShapePoint p = space.evaluate(alpha, 0, 0, nullptr);
+    double both = 0, either = 0;
+    for (std::size_t c = 0; c < p.p_hat.size(); ++c) {
+        const bool here = p.p_hat[c] > 0.5, there = space.bases()[i].fractions[c] > 0.5;
+        both += here && there, either += here || there;
+    }
+    return both / either;
+}
+
+void check_overlaps([[maybe_unused]] const std::string& folder, [[maybe_unused]] const std::vector<std::string>& names,
+                    [[maybe_unused]] const Cells& cells) {
+#ifdef DQA_HAVE_ASSIMP
+    ShapeSpace space(settings_of(cells));
+    for (const std::string& name : names) space.add_mesh(name, read_mesh_file(folder + "/" + name + ".stl"));
+    space.build(nullptr);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const double value = overlap(space, i);
+        print_message("%s at %d x %d x %d: intersection over union %.4f\n", names[i].c_str(), cells[0], cells[1],
+                      cells[2], value);
+        if (!(value >= 0.97)) throw std::runtime_error(names[i] + ": " + std::to_string(value));
+    }
+#else
+    throw Skipped{};
+#endif
+}
+
+void test_vertices_give_back_the_shipped_shapes() {
+    check_overlaps(DQA_SHAPES_DIR, {"clownfish", "tuna", "eel_vertical", "eel_horizontal"}, {40, 12, 20});
+}
+
+void test_vertices_give_back_real_animals() {
+    const char* folder = std::getenv("DQA_TEST_DATA");
+    if (!folder || !*folder) {
+        print_message("DQA_TEST_DATA is not set: vertices of the Orca and the Great White Shark are not tested\n");
+        throw Skipped{};
+    }
+    check_overlaps(folder, {"Orca", "GreatWhiteShark"}, {60, 16, 26});
+}
+
+void test_cancelled_build_leaves_the_space_usable() {
+    const auto filled = [] {
+        auto space = std::make_unique<ShapeSpace>(settings_of(small));
+        space->add_fractions("long", soft_ellipsoid(small, {11, 5, 6}, {8.6, 2.1, 2.7}).data());
+        space->add_fractions("round", soft_ellipsoid(small, {11, 5, 6}, {6.4, 3.0, 3.4}).data());
+        return space;
+    };
+    for (int stop = 0; stop <= 2; ++stop) {
+        const auto space = filled();
+        const auto cancel = [&](int done, int total) {
+            CHECK(total == 2);
+            if (done == stop) throw Error(Status::CANCELLED, "enough");
+        };
+        EXPECT_ERROR(CANCELLED, "enough", space->build(cancel));
+        CHECK(!space->built() && space->box().dx == 0);
+        for (const BaseShape& b : space->bases()) CHECK(b.actuators.empty());
+        EXPECT_ERROR(ERROR_STATE, "not built", space->evaluate({0.5, 0.5}, 0, 0, nullptr));
+        // It can still be filled, and built as if nothing had happened.
+        const auto other = filled();
+        for (ShapeSpace* s : {space.get(), other.get()}) {
+            s->add_fractions("high", soft_ellipsoid(small, {11, 5, 6}, {7.2, 1.8, 4.1}).data());
+            s->build(nullptr);
+        }
+        CHECK(space->built() && space->box().dx == other->box().dx && space->box().dx > 0);
+        CHECK(row(space->evaluate({0.3, 0.3, 0.4}, 0, 0, nullptr)) ==
+              row(other->evaluate({0.3, 0.3, 0.4}, 0, 0, nullptr)));
+    }
+}
+
+void test_refusals() {
+    const ShapeSpace space = three_bodies(0.8);
+    EXPECT_ERROR(ERROR_ARGUMENT, "m is 2, expected 3", space.check_weights({0.5, 0.5}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights[1] is -0.1", space.check_weights({0.6, -0.1, 0.5}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights[2] is nan", space.check_weights({0.6, 0.4, std::nan("")}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights[0] is inf", space.check_weights({INFINITY, 0.4, 0}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights sum to 1.00000001", space.check_weights({0.6, 0.4, 1e-8}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights sum to 0,", space.check_weights({0, 0, 0}));
+    space.check_weights({0.6, 0.4, 1e-10});
+    EXPECT_ERROR(ERROR_ARGUMENT, "weights[1] is -0.1", space.evaluate({0.6, -0.1, 0.5}, 0, 0, nullptr));
+
+    ShapeSpace open(settings_of(small));
+    EXPECT_ERROR(ERROR_STATE, "no bases", open.build(nullptr));
+    Vector cells = soft_ellipsoid(small, {11, 5, 6}, {8.6, 2.1, 2.7});
+    cells[77] = 1.5;
+    EXPECT_ERROR(ERROR_ARGUMENT, "cells[77] is 1.5", open.add_fractions("x", cells.data()));
+    cells[77] = std::nan("");
+    EXPECT_ERROR(ERROR_ARGUMENT, "cells[77] is nan", open.add_fractions("x", cells.data()));
+    EXPECT_ERROR(ERROR_ARGUMENT, "no cell", open.add_fractions("x", Vector(cells.size(), 0.1).data()));
+    CHECK(open.bases().empty());
+    cells[77] = 0;
+    CHECK(open.add_fractions("x", cells.data()) == 0);
+    EXPECT_ERROR(ERROR_STATE, "cell size", open.add_actuator(0, Actuator{}));
+    open.build(nullptr);
+    EXPECT_ERROR(ERROR_STATE, "already built", open.build(nullptr));
+    EXPECT_ERROR(ERROR_STATE, "frozen", open.add_fractions("y", cells.data()));
+}
+
+// The sensor line: the x axis where bodies are, else the nearest parallel that runs through all of them.
+void test_axis() {
+    CHECK(three_bodies(0.8).axis_y() == 0 && three_bodies(0.8).axis_z() == 0);
+    ShapeSpace space(settings_of({22, 12, 16}));
+    space.add_fractions("a", soft_ellipsoid({22, 12, 16}, {11, 6, 11}, {8.6, 2.1, 2.0}).data());
+    space.add_fractions("b", soft_ellipsoid({22, 12, 16}, {11, 6, 11.5}, {8.6, 2.6, 2.5}).data());
+    space.build(nullptr);
+    const double z = space.axis_z() / space.box().dx;  // the bodies reach down to 1 cell above the axis
+    CHECK(space.axis_y() == 0 && z > 1 && z < 3.5);
+}
+
+}  // namespace
+
+int main() {
+    const CMUnitTest tests[] = {
+        TEST(test_gradient_inside),
+        TEST(test_gradient_at_the_boundary),
+        TEST(test_pullback_takes_parts),
+        TEST(test_evaluate),
+        TEST(test_vertices_give_back_the_shipped_shapes),
+        TEST(test_vertices_give_back_real_animals),
+        TEST(test_cancelled_build_leaves_the_space_usable),
+        TEST(test_refusals),
+        TEST(test_axis),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
