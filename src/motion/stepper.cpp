@@ -214,7 +214,9 @@ StepReport Stepper::solve(const double* q, const double* v, const double* signal
         x.swap(candidate);
         now = next;
     }
-    report.residual = now.scale > 0 ? now.residual / now.scale : 0.0;
+    // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
+    const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
+    report.residual = scale > 0 ? now.residual / scale : 0.0;
     report.inverted = body_.inverted;
     std::copy(x.begin(), x.end(), q_new);
     return report;

@@ -5,6 +5,10 @@
 #include <Eigen/Dense>
 #include <limits>
 
+#if !defined(EIGEN_DONT_PARALLELIZE)
+#error "Eigen would start threads of its own; the number of threads is a setting of each object"
+#endif
+
 namespace dqa {
 namespace {
 

@@ -236,13 +236,12 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
     report.step = step[best];
     const double error = std::fabs(report.adjoint - report.finite_difference);
     report.relative_error = error == 0.0 ? 0.0 : error / std::fabs(report.finite_difference);
-    // Slope of the remainder between the largest step and the last one well above the rounding of the loss.
+    // Slope of the remainder over the two smallest steps at which it stands well above the rounding of the loss.
     const double rounding = 2e-14 * (std::fabs(loss) + std::fabs(report.adjoint) * step[0]) + 1e-17;
     int last = 0;
     while (last + 1 < kLevels && remainder[last + 1] > 1e3 * rounding) ++last;
     if (last >= 1)
-        report.taylor_slope = std::log(remainder[std::max(0, last - 2)] / remainder[last]) /
-                              (std::log(1.0 / kRatio) * (last - std::max(0, last - 2)));
+        report.taylor_slope = std::log(remainder[last - 1] / remainder[last]) / std::log(1.0 / kRatio);
     else
         report.taylor_slope = std::numeric_limits<double>::quiet_NaN();
     return report;

@@ -1,63 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The body's energies: value, gradient, Hessian product, parameter derivatives, filter, and the layout of blocks.
-// The rotation itself is tested in test_rotation.cpp.
+// The body's energies: value, gradient, Hessian product, parameter derivatives, filter. The rotation itself is tested in
+// test_rotation.cpp, blocks, instruction sets and threads in test_body_layout.cpp.
 #include <Eigen/Dense>
 
-#include "motion_fixtures.hpp"
+#include "body_fixtures.hpp"
 
 namespace {
 
 using namespace fixtures;
-
-// A body with a modulus of its own in every cell, and fibres in several directions, some cells with two.
-struct Sample {
-    ActiveSet set;
-    Vector rest, mu, signals{0.3, -0.8};
-    std::vector<MuscleEntry> muscles;
-
-    explicit Sample(const std::array<int, 3>& cells, int n_muscles = 13, std::uint64_t seed = 1)
-        : set(full_set(cells, 0.1)), rest(set.rest_positions()) {
-        Random random{seed};
-        for (int c = 0; c < set.n_cells(); ++c) mu.push_back(random.between(0.2, 2.0) * 1e6);
-        for (int e = 0; e < n_muscles; ++e) {
-            MuscleEntry m;
-            m.cell = (5 * e) % set.n_cells();
-            m.signal = e % 2, m.sign = e % 3 ? 1.0 : -1.0;
-            double n = 0.0;
-            for (double& x : m.direction) x = random(), n += x * x;
-            for (double& x : m.direction) x /= std::sqrt(n);
-            m.weight = random.between(0.5, 2.0) * 1e6;
-            muscles.push_back(m);
-        }
-    }
-    Body body(InstructionSet instructions = InstructionSet::automatic) const {
-        return Body(set, mu, muscles, 0.2, instructions);
-    }
-    // Rest state displaced at random by this part of a cell.
-    Vector displaced(double part, std::uint64_t seed = 2) const {
-        Random random{seed};
-        return plus(rest, part * set.box.dx, random_vector(rest.size(), random));
-    }
-};
-
-struct Result {
-    double energy = 0.0;
-    Vector elastic, muscle, total;
-};
-
-Result evaluate(const Body& body, BodyWorkspace& ws, const Vector& q, const Vector& signals, int threads = 1) {
-    Result r;
-    r.elastic.resize(q.size()), r.muscle.resize(q.size());
-    r.energy = body.gradient(ws, q.data(), signals.data(), threads, r.elastic.data(), r.muscle.data());
-    r.total = plus(r.elastic, 1.0, r.muscle);
-    return r;
-}
-
-Vector product(const Body& body, BodyWorkspace& ws, const Vector& p, int threads = 1) {
-    Vector out(p.size(), 0.0);
-    body.product(ws, p.data(), threads, out.data());
-    return out;
-}
 
 Eigen::MatrixXd hessian(const Body& body, BodyWorkspace& ws, std::size_t n) {
     Eigen::MatrixXd h(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
@@ -231,99 +181,6 @@ void test_filter() {
     }
 }
 
-// ---------------------------------------------------------------- layout
-
-// Any number of cells and muscles, full blocks or not: the sum of the cells one by one.
-void test_padding() {
-    for (const int n : {1, 2, 7, 8, 9, 13, 16}) {
-        const Sample s({n, 1, 1}, n + 3);
-        const Vector q = s.displaced(n % 2 ? 0.2 : 0.5);
-        BodyWorkspace ws;
-        const Body body = s.body();
-        const Result all = evaluate(body, ws, q, s.signals);
-        Random random{8};
-        const Vector p = random_vector(q.size(), random), hp = product(body, ws, p);
-        double energy = 0.0;
-        int inverted = 0;
-        Vector total(q.size(), 0.0), sum_hp(q.size(), 0.0);
-        for (int c = 0; c < n; ++c) {
-            Sample one({1, 1, 1}, 0);
-            one.mu = {s.mu[static_cast<std::size_t>(c)]};
-            for (MuscleEntry m : s.muscles)
-                if (m.cell == c) m.cell = 0, one.muscles.push_back(m);
-            const auto gather = [&](const Vector& from) {
-                Vector local;
-                for (const int node : s.set.cell_nodes[static_cast<std::size_t>(c)])
-                    local.insert(local.end(), from.begin() + 3 * node, from.begin() + 3 * node + 3);
-                return local;
-            };
-            const auto scatter = [&](const Vector& local, Vector& to) {
-                for (std::size_t k = 0; k < 24; ++k)
-                    to[3 * static_cast<std::size_t>(s.set.cell_nodes[static_cast<std::size_t>(c)][k / 3]) + k % 3] += local[k];
-            };
-            const Body single = one.body();
-            const Result r = evaluate(single, ws, gather(q), s.signals);
-            energy += r.energy, inverted += ws.inverted;
-            scatter(r.total, total);
-            scatter(product(single, ws, gather(p)), sum_hp);
-        }
-        NEAR(all.energy, energy, 1e-13 * energy);
-        NEAR(relative_difference(all.total, total), 0.0, 1e-13);
-        NEAR(relative_difference(hp, sum_hp), 0.0, 1e-12);
-        BodyWorkspace again;
-        evaluate(body, again, q, s.signals);
-        CHECK(again.inverted == inverted);
-    }
-}
-
-void test_instruction_sets_agree() {
-    const Sample s({5, 4, 3});
-    for (const double part : {0.1, 0.5}) {
-        const Vector q = s.displaced(part);
-        Random random{9};
-        const Vector p = random_vector(q.size(), random);
-        Vector reference[4];
-        int tried = 0;
-        for (const InstructionSet wanted : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
-            if (choose_instruction_set(wanted) != wanted) continue;
-            const Body body = s.body(wanted);
-            BodyWorkspace ws;
-            const Result r = evaluate(body, ws, q, s.signals);
-            Vector mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-            body.parameter_pullback(ws, q.data(), p.data(), 1, mu_bar.data(), weight_bar.data(), signal_bar.data());
-            const Vector values[4] = {r.total, product(body, ws, p), mu_bar, signal_bar};
-            for (std::size_t k = 0; k < 4; ++k) {
-                if (!tried) reference[k] = values[k];
-                NEAR(relative_difference(values[k], reference[k]), 0.0, part < 0.2 ? 1e-13 : 1e-9);
-            }
-            ++tried;
-        }
-        CHECK(tried >= 1);
-    }
-}
-
-void test_threads_give_the_same_bits() {
-    const Sample s({12, 9, 7}, 301);
-    const Body body = s.body();
-    Random random{10};
-    for (const double part : {0.1, 0.5}) {
-        const Vector q = s.displaced(part), p = random_vector(q.size(), random);
-        const auto run = [&](int threads) {
-            BodyWorkspace ws;
-            const Result r = evaluate(body, ws, q, s.signals, threads);
-            Vector out(r.total), mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-            body.parameter_pullback(ws, q.data(), p.data(), threads, mu_bar.data(), weight_bar.data(), signal_bar.data());
-            for (const Vector& v : {product(body, ws, p, threads), mu_bar, weight_bar, signal_bar})
-                out.insert(out.end(), v.begin(), v.end());
-            out.push_back(r.energy), out.push_back(ws.inverted);
-            return out;
-        };
-        const Vector one = run(1);
-        CHECK(all_finite(one));
-        for (const int threads : {2, 3, 4}) CHECK(run(threads) == one);
-    }
-}
-
 }  // namespace
 
 int main() {
@@ -335,9 +192,6 @@ int main() {
         TEST(test_parameter_pullback),
         TEST(test_muscle_hessian),
         TEST(test_filter),
-        TEST(test_padding),
-        TEST(test_instruction_sets_agree),
-        TEST(test_threads_give_the_same_bits),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -87,7 +87,8 @@ void test_stiff_and_soft() {
             for (; taken < 10; ++taken)
                 if (!step_or_status(s, {taken / 3 % 2 ? -1.0 : 1.0}, scene.tolerance)) break;
             print_message("E = %.0e, h = %.2f: %d of 10 steps\n", modulus, h, taken);
-            CHECK(modulus < 1e8 || taken == 10);
+            // Muscles of 2e6 Pa crush a body of 5e4 Pa: there a status is an answer, too.
+            CHECK(taken == 10 || (modulus < 1e8 && taken > 0));
             CHECK(top_speed(s.v()) < 20.0);
         }
 }
