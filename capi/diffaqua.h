@@ -106,13 +106,13 @@ typedef struct dqa_shape_space_options {
     int32_t cells_z;
     int32_t margin;          /* empty cells kept around every mesh, >= 1; default 2 */
     int32_t up;              /* DQA_UP_*: which way the meshes added later stand */
-    int32_t subsamples;      /* rays per cell and axis for the covered fraction, in [1, 16]; default 4 */
+    int32_t subsamples;      /* rays per cell and axis for the covered fraction, in [1, 16]; default 8 */
     int32_t peak;            /* DQA_PEAK_* */
     int32_t max_iterations;  /* of the barycentre; default 5000 */
     int32_t threads;         /* >= 1; results do not depend on it; default 1 */
     double body_length;      /* m: length of the longest base; sets the cell size; default 1 */
     double cell_size;        /* m: overrides body_length when > 0; default 0 */
-    double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.5 */
+    double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.4 */
     double tolerance;        /* marginal error (1-norm) at which the barycentre stops; default 1e-9 */
     dqa_cancel_token *cancel; /* NULL: none */
 } dqa_shape_space_options;
@@ -217,7 +217,8 @@ typedef struct dqa_simulator_options {
     double contraction;          /* c in (0, 1): a signal u commands the rest ratios 1 - c u and 1 + c u; default 0.2 */
     double threshold;            /* tau in [0, 0.5): cells whose density exceeds it are simulated; default 0.02 */
     double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
-    double tolerance;            /* force residual relative to the forces at which a step stops; default 1e-6 */
+    double tolerance;            /* force residual relative to the forces (to the rounding of positions where forces
+                                    vanish) at which a step stops; default 1e-6 */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-8 */
     double water_density;        /* kg/m^3, > 0; default 1000 */
     double current[3];           /* m/s: velocity of the water; default 0 */

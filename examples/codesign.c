@@ -66,21 +66,29 @@ static int start_run(job* w) {
 }
 
 /* The gradient is proven before it is trusted: at the initial design, once. */
-static int prove(job* w) {
+static int prove_one(job* w, int32_t with_respect_to, const char* doing, gradient_proof* proof) {
     const double started = progress_clock();
+    int outcome;
+    if (proof->state != PROOF_OPEN) return DONE;
+    outcome = scene_prove(&w->s, with_respect_to, doing, proof, &w->p);
+    if (outcome != DONE) return outcome;
+    if (proof->state == PROOF_MADE && !(proof->report.relative_error <= 1e-6))
+        say("warning: cannot vouch for the gradient: finite differences differ by %.1e (to %s)",
+            proof->report.relative_error, doing);
+    w->r.seconds += progress_clock() - started;
+    return checkpoint_save(&w->r, w->settings, w->o.out);
+}
+
+static int prove(job* w) {
     gradient_proof *weights = &w->r.proof_weights, *control = &w->r.proof_control;
     int outcome;
-    if (w->r.iteration > 0 || control->present) return DONE;
-    outcome = scene_prove(&w->s, w->r.x, weights, control, &w->p);
-    if (outcome != DONE) {
-        weights->present = control->present = 0;
-        return outcome;
-    }
-    w->r.seconds += progress_clock() - started;
-    if ((weights->present && !(weights->report.relative_error <= 1e-6)) || !(control->report.relative_error <= 1e-6))
-        say("warning: finite differences disagree with the gradient by %.1e (weights) and %.1e (control)",
-            weights->report.relative_error, control->report.relative_error);
-    return checkpoint_save(&w->r, w->settings, w->o.out);
+    if (w->r.iteration > 0) return DONE;
+    outcome = scene_set(&w->s, w->r.x, &w->p);
+    /* A single base cannot vary. */
+    if (outcome == DONE && w->r.n_weights > 1)
+        outcome = prove_one(w, DQA_WRT_WEIGHTS, "check the gradient of the weights", weights);
+    if (outcome == DONE) outcome = prove_one(w, DQA_WRT_CONTROL, "check the gradient of the controller", control);
+    return outcome;
 }
 
 /* ------------------------------------------------------------------ the optimisation */

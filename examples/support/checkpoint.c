@@ -76,7 +76,7 @@ static void put_proof(memory_text* t, const char* name, const gradient_proof* pr
     const dqa_gradient_check_report* c = &proof->report;
     const double numbers[6] = {c->adjoint,      c->finite_difference, c->relative_error,
                                c->taylor_slope, c->gradient_norm,     c->step};
-    memory_text_add(t, "%s %d %d", name, proof->present, (int)c->one_sided);
+    memory_text_add(t, "%s %d %d", name, proof->state, (int)c->one_sided);
     put_numbers(t, "", numbers, 6);
 }
 
@@ -164,7 +164,7 @@ static void next_proof(cursor* c, const char* name, gradient_proof* proof) {
     double numbers[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     expect_word(c, name);
     memset(proof, 0, sizeof *proof);
-    proof->present = (int)next_integer(c);
+    proof->state = (int)next_integer(c);
     proof->report.one_sided = (int32_t)next_integer(c);
     next_numbers(c, numbers, 6);
     proof->report.adjoint = numbers[0];

@@ -16,9 +16,13 @@ typedef struct history_row {
     int64_t newton_iterations, linear_iterations, adjoint_iterations;
 } history_row;
 
-/* The library's proof of a gradient; `present` is 0 until it has been made. */
+#define PROOF_OPEN 0   /* not made yet, or there is nothing to prove */
+#define PROOF_MADE 1   /* the report tells */
+#define PROOF_FAILED 2 /* the library could not make it */
+
+/* The library's proof of a gradient. */
 typedef struct gradient_proof {
-    int present;
+    int state; /* PROOF_* */
     dqa_gradient_check_report report;
 } gradient_proof;
 

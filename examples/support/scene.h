@@ -34,7 +34,8 @@ int scene_set(scene* s, const double* x, progress* p);
 int scene_swim(scene* s, const double* x, progress* p);
 /* Loss (travel, m) of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
-/* Proves the gradient at x by the library's finite differences; skipped for a single base, which cannot vary. */
-int scene_prove(scene* s, const double* x, gradient_proof* weights, gradient_proof* control, progress* p);
+/* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL) by the library's finite differences, which
+ * want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but is no failure. */
+int scene_prove(scene* s, int32_t with_respect_to, const char* doing, gradient_proof* proof, progress* p);
 
 #endif

@@ -50,11 +50,17 @@ static void write_design(json* j, const char* key, const run* r, int64_t iterati
 
 static void write_proof(json* j, const char* key, const gradient_proof* proof) {
     const dqa_gradient_check_report* c = &proof->report;
-    if (!proof->present) {
+    if (proof->state == PROOF_OPEN) {
         json_string(j, key, NULL);
         return;
     }
     json_open(j, key, '{');
+    json_boolean(j, "computed", proof->state == PROOF_MADE);
+    if (proof->state == PROOF_FAILED) {
+        json_string(j, "relative_error", NULL);
+        json_close(j, '}');
+        return;
+    }
     json_number(j, "relative_error", c->relative_error);
     json_number(j, "adjoint", c->adjoint);
     json_number(j, "finite_difference", c->finite_difference);

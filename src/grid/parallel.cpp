@@ -39,11 +39,13 @@ void WorkCrew::help() {
     while (true) {
         for (int spin = 0; spin < kSpins && epoch_.load() == seen; ++spin) relax();
         epoch_.wait(seen);
-        if (stop_.load()) return;
         ++inside_;
         seen = epoch_.load();
         if (seen & 1u) take_chunks();
         --inside_;
+        // After `seen`: stop_ is set before the last change of the epoch, so that who has seen that change sees stop_
+        // too. Looked at before, the end could come in between, and the helper would wait for a change after the last.
+        if (stop_.load()) return;
     }
 }
 

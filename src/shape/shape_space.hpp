@@ -21,13 +21,13 @@ struct ShapeSettings {
     std::array<int, 3> cells{60, 16, 26};
     int margin = 2;
     int up = 0;
-    int subsamples = 4;
+    int subsamples = 8;
     Peak peak = Peak::smooth;
     int max_iterations = 5000;
     int threads = 1;
     double body_length = 1.0;  // m
     double cell_size = 0.0;    // m; 0: from body_length
-    double sigma = 0.5;        // cells
+    double sigma = 0.4;        // cells
     double tolerance = 1e-9;
 };
 

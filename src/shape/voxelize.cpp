@@ -106,7 +106,7 @@ private:
         double scale = HUGE_VAL;
         for (std::size_t a = 0; a < 3; ++a) {
             const double reach = std::max(hi[a] - centre[a], centre[a] - lo[a]);
-            if (reach > 0.0) scale = std::min(scale, (0.5 * n_[a] - margin) / reach);
+            if (reach > 0.0) scale = std::min(scale, (0.5 * n_[a] - (a == 0 ? margin : 0)) / reach);
         }
         if (!std::isfinite(scale) || !(scale > 0.0))
             fail(Status::ERROR_MESH, "a mesh of extents %g x %g x %g cannot be scaled to the box", hi[0] - lo[0],
@@ -119,7 +119,7 @@ private:
         const double per_cell = 2.0 * subsamples_ * static_cast<double>(half_);
         // Round-off must not let a touching mesh spill into the margin.
         const auto lattice = [&](double cells, std::size_t a) {
-            const Int limit = (Int{n_[a]} - 2 * margin) * subsamples_ * half_;
+            const Int limit = (Int{n_[a]} - 0 * margin) * subsamples_ * half_;
             return std::clamp<Int>(std::llround(cells * per_cell), -limit, limit);
         };
         vertices_.reserve(mesh_.vertices.size());

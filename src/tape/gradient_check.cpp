@@ -54,6 +54,9 @@ public:
             base_.actuation.insert(base_.actuation.end(), a.begin(), a.end());
         }
         design_ = design_for(base_.weights);
+        // At the tight tolerance a cell at the edge of the active set may have entered or left.
+        base_.q = carried(base_.q, origin_->set(), *design_, design_->rest());
+        base_.v = carried(base_.v, origin_->set(), *design_, std::vector<double>(design_->rest().size(), 0.0));
     }
 
     const Inputs& base() const { return base_; }
@@ -83,20 +86,24 @@ private:
         return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene_, nullptr);
     }
 
-    // The state lives on the nodes of the original design; another design may have a few more or fewer at the edge of
-    // its active set, which start from rest.
-    void set_state(Simulation& simulation, const Inputs& in) const {
-        std::vector<double> q(simulation.design().rest()), v(q.size(), 0.0);
-        const ActiveSet &from = origin_->set(), &to = simulation.design().set();
+    // A nodal field on the nodes of another design, which may have a few more or fewer at the edge of its active set:
+    // `fresh` holds the values of those that are new.
+    static std::vector<double> carried(const std::vector<double>& field, const ActiveSet& from, const Design& design,
+                                       std::vector<double> fresh) {
+        const ActiveSet& to = design.set();
         for (std::size_t n = 0; n < to.node_ijk.size(); ++n) {
             const auto& ijk = to.node_ijk[n];
             const int old = from.node_to_active[static_cast<std::size_t>(from.box.node(ijk[0], ijk[1], ijk[2]))];
             if (old < 0) continue;
-            for (std::size_t k = 0; k < 3; ++k) {
-                q[3 * n + k] = in.q[3 * static_cast<std::size_t>(old) + k];
-                v[3 * n + k] = in.v[3 * static_cast<std::size_t>(old) + k];
-            }
+            for (std::size_t k = 0; k < 3; ++k) fresh[3 * n + k] = field[3 * static_cast<std::size_t>(old) + k];
         }
+        return fresh;
+    }
+
+    void set_state(Simulation& simulation, const Inputs& in) const {
+        const Design& design = simulation.design();
+        const std::vector<double> q = carried(in.q, design_->set(), design, design.rest());
+        const std::vector<double> v = carried(in.v, design_->set(), design, std::vector<double>(q.size(), 0.0));
         simulation.set_state(q.data(), v.data());
     }
 

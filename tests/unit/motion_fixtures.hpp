@@ -42,7 +42,9 @@ inline double dot_of(const Vector& a, const Vector& b) {
     for (std::size_t i = 0; i < a.size(); ++i) s += a[i] * b[i];
     return s;
 }
-inline double norm_of(const Vector& a) { return std::sqrt(dot_of(a, a)); }
+inline double norm_of(const Vector& a) {
+    return std::sqrt(dot_of(a, a));
+}
 inline Vector plus(const Vector& a, double e, const Vector& b) {
     Vector c(a);
     for (std::size_t i = 0; i < a.size(); ++i) c[i] += e * b[i];
@@ -116,8 +118,8 @@ inline void check_derivative(const std::function<double(double)>& f, double deri
     const double error = std::fabs(derivative - difference) / std::fabs(difference);
     worst_error() = std::max(worst_error(), error);
     if (!(error <= 1e-6))
-        throw std::runtime_error(
-            format("line %d: derivative %.12g, differences give %.12g: error %.2g", line, derivative, difference, error));
+        throw std::runtime_error(format("line %d: derivative %.12g, differences give %.12g: error %.2g", line,
+                                        derivative, difference, error));
     if (order == Order::linear) return;
     const double slope = taylor_slope(f, derivative, first_step);
     if (!(std::fabs(slope - 2.0) <= 0.1)) throw std::runtime_error(format("line %d: Taylor slope %.3f", line, slope));
@@ -173,7 +175,8 @@ inline Vector ellipsoid_fractions(const std::array<int, 3>& cells, const Vec3& r
 }
 
 // Two ellipsoids that differ in length, height and place, in a box of cells with these numbers; metres as a small fish.
-inline std::shared_ptr<const ShapeSpace> ellipsoid_space(const std::array<int, 3>& cells = {20, 8, 8}, double dx = 0.05) {
+inline std::shared_ptr<const ShapeSpace> ellipsoid_space(const std::array<int, 3>& cells = {20, 8, 8},
+                                                         double dx = 0.05) {
     ShapeSettings s;
     s.cells = cells;
     s.cell_size = dx;

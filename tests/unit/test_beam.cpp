@@ -104,7 +104,8 @@ void test_cantilever() {
     const double squared = (4 * std::pow(answers[3].frequency, 2) - std::pow(answers[2].frequency, 2)) / 3;
     NEAR(std::sqrt(squared) / frequency, 1.0, 0.003);
     const double before = (4 * std::pow(answers[2].frequency, 2) - std::pow(answers[1].frequency, 2)) / 3;
-    NEAR(std::log2((std::pow(answers[1].frequency, 2) - before) / (std::pow(answers[2].frequency, 2) - squared)), 2.0, 0.1);
+    NEAR(std::log2((std::pow(answers[1].frequency, 2) - before) / (std::pow(answers[2].frequency, 2) - squared)), 2.0,
+         0.1);
 }
 
 }  // namespace

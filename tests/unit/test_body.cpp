@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The body's energies: value, gradient, Hessian product, parameter derivatives, filter. The rotation itself is tested in
-// test_rotation.cpp, blocks, instruction sets and threads in test_body_layout.cpp.
+// The body's energies: value, gradient, Hessian product, parameter derivatives, filter. The rotation itself is tested
+// in test_rotation.cpp, blocks, instruction sets and threads in test_body_layout.cpp.
 #include <Eigen/Dense>
 
 #include "body_fixtures.hpp"
@@ -130,7 +130,8 @@ void test_parameter_pullback() {
     };
     CHECK_LINEAR_DERIVATIVE([&](double e) { return value(plus(s.mu, e, dmu), 0.0, dweight, s.signals); },
                             dot_of(mu_bar, dmu), 0.1);
-    CHECK_LINEAR_DERIVATIVE([&](double e) { return value(s.mu, e, dweight, s.signals); }, dot_of(weight_bar, dweight), 0.1);
+    CHECK_LINEAR_DERIVATIVE([&](double e) { return value(s.mu, e, dweight, s.signals); }, dot_of(weight_bar, dweight),
+                            0.1);
     CHECK_LINEAR_DERIVATIVE([&](double e) { return value(s.mu, 0.0, dweight, plus(s.signals, e, dsignal)); },
                             dot_of(signal_bar, dsignal), 0.1);
     // Added to what is there.
@@ -165,9 +166,12 @@ void test_filter() {
     const Body body = s.body();
     Random random{6};
     const Vector compressed = mapped(s.rest, {0.4, 0.1, 0, 0, 0.5, 0, 0, 0, 0.45}, {1, 2, 3});
-    const Vector inverted = plus(mapped(s.rest, {-0.5, 0.1, 0, 0, 0.9, 0.1, 0.05, 0, 0.7}), 0.01, random_vector(36, random));
+    const Vector inverted =
+        plus(mapped(s.rest, {-0.5, 0.1, 0, 0, 0.9, 0.1, 0.05, 0, 0.7}), 0.01, random_vector(36, random));
+    // Compressed by a tenth: eigenvalues of K just above 1/2, where a careless bound lets them pass.
+    const Vector squeezed = mapped(s.rest, {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9});
     const Vector collapsed(s.rest.size(), 0.25);
-    for (const Vector& q : {compressed, inverted, collapsed, s.displaced(0.5)}) {
+    for (const Vector& q : {compressed, squeezed, inverted, collapsed, s.displaced(0.5)}) {
         BodyWorkspace ws;
         evaluate(body, ws, q, s.signals);
         const Eigen::MatrixXd exact = hessian(body, ws, q.size());

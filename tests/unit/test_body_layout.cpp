@@ -32,7 +32,8 @@ void test_padding() {
             };
             const auto scatter = [&](const Vector& local, Vector& to) {
                 for (std::size_t k = 0; k < 24; ++k)
-                    to[3 * static_cast<std::size_t>(s.set.cell_nodes[static_cast<std::size_t>(c)][k / 3]) + k % 3] += local[k];
+                    to[3 * static_cast<std::size_t>(s.set.cell_nodes[static_cast<std::size_t>(c)][k / 3]) + k % 3] +=
+                        local[k];
             };
             const Body single = one.body();
             const Result r = evaluate(single, ws, gather(q), s.signals);
@@ -85,7 +86,8 @@ void test_threads_give_the_same_bits() {
             BodyWorkspace ws;
             const Result r = evaluate(body, ws, q, s.signals, threads);
             Vector out(r.total), mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-            body.parameter_pullback(ws, q.data(), p.data(), threads, mu_bar.data(), weight_bar.data(), signal_bar.data());
+            body.parameter_pullback(ws, q.data(), p.data(), threads, mu_bar.data(), weight_bar.data(),
+                                    signal_bar.data());
             for (const Vector& v : {product(body, ws, p, threads), mu_bar, weight_bar, signal_bar})
                 out.insert(out.end(), v.begin(), v.end());
             out.push_back(r.energy), out.push_back(ws.inverted);

@@ -63,14 +63,17 @@ Vector multiply(const SymmetricMatrix& m, const Vector& in, std::size_t rhs) {
     return out;
 }
 
-Vector ones(const ActiveSet& set) { return Vector(static_cast<std::size_t>(set.n_cells()), 1.0); }
+Vector ones(const ActiveSet& set) {
+    return Vector(static_cast<std::size_t>(set.n_cells()), 1.0);
+}
 
 SymmetricMatrix dense(const std::vector<Vector>& rows) {
     SymmetricMatrix m;
     m.n = static_cast<int>(rows.size());
     m.start.push_back(0);
     for (std::size_t j = 0; j < rows.size(); ++j) {
-        for (std::size_t i = j; i < rows.size(); ++i) m.row.push_back(static_cast<int>(i)), m.value.push_back(rows[i][j]);
+        for (std::size_t i = j; i < rows.size(); ++i)
+            m.row.push_back(static_cast<int>(i)), m.value.push_back(rows[i][j]);
         m.start.push_back(static_cast<int>(m.row.size()));
     }
     return m;
@@ -284,7 +287,7 @@ void test_direct_solvers() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_nested_dissection), TEST(test_factorise),         TEST(test_packed_solve),
+        TEST(test_nested_dissection),      TEST(test_factorise),         TEST(test_packed_solve),
         TEST(test_pcg_with_packed_factor), TEST(test_pcg_special_cases), TEST(test_direct_solvers),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

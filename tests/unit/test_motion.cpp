@@ -12,7 +12,9 @@ const std::shared_ptr<const ShapeSpace>& space() {
     return s;
 }
 
-std::shared_ptr<const Design> design_of(const SceneSettings& scene) { return make_design(scene, {0.6, 0.4}, space()); }
+std::shared_ptr<const Design> design_of(const SceneSettings& scene) {
+    return make_design(scene, {0.6, 0.4}, space());
+}
 
 Vec3 momentum(const Simulation& s) {
     Vec3 p{};

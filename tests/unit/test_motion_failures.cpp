@@ -12,7 +12,9 @@ const std::shared_ptr<const ShapeSpace>& space() {
     return s;
 }
 
-std::shared_ptr<const Design> design_of(const SceneSettings& scene) { return make_design(scene, {0.6, 0.4}, space()); }
+std::shared_ptr<const Design> design_of(const SceneSettings& scene) {
+    return make_design(scene, {0.6, 0.4}, space());
+}
 
 double top_speed(const Vector& v) {
     double top = 0.0;
@@ -22,7 +24,8 @@ double top_speed(const Vector& v) {
 }
 
 // Force residual of the step equation, from the parts: an accepted step must satisfy it.
-double relative_residual(const Design& design, const Vector& q, const Vector& v, const Vector& signals, const Vector& q_new) {
+double relative_residual(const Design& design, const Vector& q, const Vector& v, const Vector& signals,
+                         const Vector& q_new) {
     const double h = design.scene().time_step;
     BodyWorkspace body;
     WaterWorkspace water;
@@ -32,7 +35,8 @@ double relative_residual(const Design& design, const Vector& q, const Vector& v,
         design.water()->lag(water, q.data(), v.data(), design.sensors().direction(q.data()), 1);
         design.water()->gradient(water, q_new.data(), q.data(), h, 1, flow.data());
     }
-    for (std::size_t i = 0; i < q.size(); ++i) inertia[i] = design.mass()[i / 3] * (q_new[i] - q[i] - h * v[i]) / (h * h);
+    for (std::size_t i = 0; i < q.size(); ++i)
+        inertia[i] = design.mass()[i / 3] * (q_new[i] - q[i] - h * v[i]) / (h * h);
     const double scale = norm_of(elastic) + norm_of(muscle) + norm_of(flow) + norm_of(inertia);
     return norm_of(plus(plus(elastic, 1.0, muscle), 1.0, plus(flow, 1.0, inertia))) / scale;
 }
@@ -124,7 +128,8 @@ void test_violent_states() {
                 }
             }
         }
-    print_message("violent states: %d steps taken, %d refused, %d points inverted at the start\n", taken, refused, inverted);
+    print_message("violent states: %d steps taken, %d refused, %d points inverted at the start\n", taken, refused,
+                  inverted);
     CHECK(inverted > 1000);
     CHECK(taken >= 30);
 }
@@ -211,9 +216,8 @@ void test_cancel() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_full_actuation), TEST(test_stiff_and_soft), TEST(test_violent_states),
-        TEST(test_mirrored_body),  TEST(test_max_newton),     TEST(test_max_linear),
-        TEST(test_non_finite_states), TEST(test_cancel),
+        TEST(test_full_actuation), TEST(test_stiff_and_soft), TEST(test_violent_states),    TEST(test_mirrored_body),
+        TEST(test_max_newton),     TEST(test_max_linear),     TEST(test_non_finite_states), TEST(test_cancel),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

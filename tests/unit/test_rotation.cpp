@@ -60,10 +60,10 @@ std::vector<Matrix> samples() {
     std::vector<Matrix> out;
     for (int k = 0; k < 400; ++k) out.push_back(random_matrix(random));  // half of them inverted
     for (int k = 0; k < 100; ++k) out.push_back(Matrix(Matrix::Identity() + 0.1 * random_matrix(random)));
-    const Vec3 kinds[] = {{1, 1, 1},         {1, 1, -1},       {2, 1, -0.5},   {1, 1e-3, 1e-3}, {1, 1, 1e-5},
-                          {1, 0.5, 1e-7},    {1, 0.5, -1e-7},  {1, 0.5, 0},    {1, 0, 0},       {1, 1e-9, 0},
-                          {30, 1, 0.05},     {1, 0.3, -0.299}, {1, 0.3, -0.3}, {100, 1, 1e-4},  {3, 3, 3},
-                          {1e-3, 1e-3, 1e-3}};
+    const Vec3 kinds[] = {{1, 1, 1},      {1, 1, -1},     {2, 1, -0.5},    {1, 1e-3, 1e-3},
+                          {1, 1, 1e-5},   {1, 0.5, 1e-7}, {1, 0.5, -1e-7}, {1, 0.5, 0},
+                          {1, 0, 0},      {1, 1e-9, 0},   {30, 1, 0.05},   {1, 0.3, -0.299},
+                          {1, 0.3, -0.3}, {100, 1, 1e-4}, {3, 3, 3},       {1e-3, 1e-3, 1e-3}};
     for (const Vec3& s : kinds)
         for (int k = 0; k < 20; ++k) out.push_back(with_singular_values(s, random));
     out.push_back(Matrix::Zero());
@@ -104,8 +104,7 @@ void test_batched_rotation() {
                     for (int corner = 0; corner < 8; ++corner) {
                         const Eigen::Vector3d x(corner >> 2 & 1, corner >> 1 & 1, corner & 1);
                         const Eigen::Vector3d y = scale * (f(lane) * x);
-                        for (int a = 0; a < 3; ++a)
-                            q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
+                        for (int a = 0; a < 3; ++a) q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
                     }
                 int inverted = 0;
                 kernels.elastic_gradient(q.data(), nodes, weight.data(), 1.0, 0, 1, force.data(), energy.data(),

@@ -61,8 +61,8 @@ void test_against_differences() {
     check_step(design, design->rest(), none, 0.5, 1);
     check_step(design, design->rest(), swirl(design->rest(), 0.5), -0.7, 2);
     Random random{3};
-    const Vector deformed = plus(mapped(design->rest(), random_rotation(random), {1, 2, 3}), 0.003,
-                                 random_vector(none.size(), random));
+    const Vector deformed =
+        plus(mapped(design->rest(), random_rotation(random), {1, 2, 3}), 0.003, random_vector(none.size(), random));
     check_step(design, deformed, swirl(deformed, 0.3), 1.0, 4);
     report_worst("step");
 }
@@ -90,7 +90,8 @@ void test_methods_agree() {
     CHECK(norm_of(b.design.mu) > 0 && norm_of(b.design.muscle_weight) > 0 && norm_of(b.design.occupancy) > 0);
 }
 
-// A state that no step made, turned inside out in places: the Hessian is indefinite, and the linear system still solved.
+// A state that no step made, turned inside out in places: the Hessian is indefinite, and the linear system still
+// solved.
 void test_indefinite_hessian() {
     SceneSettings scene = scene_of(Method::newton_pcg);
     scene.time_step = 0.5;  // little inertia to hide behind

@@ -29,7 +29,8 @@ SceneSettings exact_scene() {
 constexpr int kSteps = 5;
 
 // A rollout from this state with these actuations.
-std::shared_ptr<Tape> roll(const std::shared_ptr<const Design>& design, const Vector& q, const Vector& v, const Vector& signals) {
+std::shared_ptr<Tape> roll(const std::shared_ptr<const Design>& design, const Vector& q, const Vector& v,
+                           const Vector& signals) {
     Simulation s(design);
     s.set_state(q.data(), v.data());
     auto tape = std::make_shared<Tape>(0);
@@ -43,7 +44,8 @@ void test_objective() {
     const auto design = design_of(exact_scene());
     Random random{1};
     const std::size_t n = design->rest().size();
-    const Vector first = plus(design->rest(), 0.01, random_vector(n, random)), last = plus(first, 0.1, random_vector(n, random));
+    const Vector first = plus(design->rest(), 0.01, random_vector(n, random)),
+                 last = plus(first, 0.1, random_vector(n, random));
     // A translation by d has the loss -d_x.
     Vector moved(first);
     for (std::size_t i = 0; i < n; i += 3) moved[i] += 0.25, moved[i + 1] -= 3;
@@ -76,8 +78,10 @@ struct OwnLoss {
     std::vector<Vector> a, b;  // per state: of positions (against rest), of velocities
     explicit OwnLoss(std::size_t n) : a(kSteps + 1), b(kSteps + 1) {
         Random random{2};
-        for (const long k : {0L, 2L, 3L, static_cast<long>(kSteps)}) a[static_cast<std::size_t>(k)] = random_vector(n, random);
-        for (const long k : {0L, 1L, static_cast<long>(kSteps)}) b[static_cast<std::size_t>(k)] = random_vector(n, random);
+        for (const long k : {0L, 2L, 3L, static_cast<long>(kSteps)})
+            a[static_cast<std::size_t>(k)] = random_vector(n, random);
+        for (const long k : {0L, 1L, static_cast<long>(kSteps)})
+            b[static_cast<std::size_t>(k)] = random_vector(n, random);
     }
     static double term(const Vector& w, const Vector& x) {
         double s = 0.0;
@@ -278,9 +282,12 @@ void test_memory_and_failures() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_objective),       TEST(test_own_loss),
-        TEST(test_resuming_gives_the_same_bits), TEST(test_objective_seeds),
-        TEST(test_controller_and_clock), TEST(test_memory_and_failures),
+        TEST(test_objective),
+        TEST(test_own_loss),
+        TEST(test_resuming_gives_the_same_bits),
+        TEST(test_objective_seeds),
+        TEST(test_controller_and_clock),
+        TEST(test_memory_and_failures),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -14,19 +14,25 @@ double bezier(const Ordinates& b, double t) {
     const double s = 1 - t;
     return s * s * s * b[0] + 3 * s * s * t * b[1] + 3 * s * t * t * b[2] + t * t * t * b[3];
 }
-double exact_drag(const Ordinates& b, double x) { return bezier(b, std::fabs(std::asin(x)) / (0.5 * pi)); }
-double exact_thrust(const Ordinates& b, double x) { return bezier(b, std::asin(x) / pi + 0.5); }
-double thrust(const WaterLaws& laws, double x) { return laws.thrust_rest() + x * laws.thrust_slope(x).value; }
+double exact_drag(const Ordinates& b, double x) {
+    return bezier(b, std::fabs(std::asin(x)) / (0.5 * pi));
+}
+double exact_thrust(const Ordinates& b, double x) {
+    return bezier(b, std::asin(x) / pi + 0.5);
+}
+double thrust(const WaterLaws& laws, double x) {
+    return laws.thrust_rest() + x * laws.thrust_slope(x).value;
+}
 
 const double kPlaces[] = {0.0, 1e-12, 1e-3, 0.009, 0.0101, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1 - 1e-9, 1.0};
 
 void test_known_values() {
     const WaterLaws laws(kDrag, kThrust, 0.02);
     NEAR(laws.drag(0.0).value, 0.05, 1e-15);
-    NEAR(laws.drag(1.0).value, 2.05, 1e-3);   // |t|^3 is rounded: eps^2 / 2 of the cubic term
+    NEAR(laws.drag(1.0).value, 2.05, 1e-3);  // |t|^3 is rounded: eps^2 / 2 of the cubic term
     NEAR(laws.drag(-1.0).value, laws.drag(1.0).value, 1e-14);
     NEAR(thrust(laws, 0.0), bezier(kThrust, 0.5), 1e-15);
-    NEAR(thrust(laws, 1.0), 2.5, 1e-13);   // exact at +-pi/2 by the rescaled angle
+    NEAR(thrust(laws, 1.0), 2.5, 1e-13);  // exact at +-pi/2 by the rescaled angle
     NEAR(thrust(laws, -1.0), -0.8, 1e-13);
 }
 
@@ -78,7 +84,8 @@ void test_derivatives() {
         for (const double end : {1.0, -1.0}) {
             const double e = -1e-7 * end;
             const auto one_sided = [&](auto&& f) {
-                return (-25 * f(end) + 48 * f(end + e) - 36 * f(end + 2 * e) + 16 * f(end + 3 * e) - 3 * f(end + 4 * e)) /
+                return (-25 * f(end) + 48 * f(end + e) - 36 * f(end + 2 * e) + 16 * f(end + 3 * e) -
+                        3 * f(end + 4 * e)) /
                        (12 * e);
             };
             const double d = one_sided([&](double x) { return laws.drag(x).value; });
@@ -106,7 +113,8 @@ void test_slope_is_not_negative() {
     Random random{2};
     for (int round = 0; round < 200; ++round) {
         Ordinates push{random(), 0, 0, 0};
-        for (std::size_t k = 1; k < 4; ++k) push[k] = push[k - 1] + (round % 4 == static_cast<int>(k) ? 0.0 : random.between(0, 2));
+        for (std::size_t k = 1; k < 4; ++k)
+            push[k] = push[k - 1] + (round % 4 == static_cast<int>(k) ? 0.0 : random.between(0, 2));
         const WaterLaws laws(kDrag, push, round % 2 ? 0.02 : 1e-4);
         for (int i = -200; i <= 200; ++i) CHECK(laws.thrust_slope(i / 200.0).value >= 0.0);
     }
