@@ -104,12 +104,14 @@ typedef struct dqa_shape_space_options {
     int32_t cells_x;         /* number of cells along x, y, z; each in [8, 512]; default 60, 16, 26 */
     int32_t cells_y;
     int32_t cells_z;
-    int32_t margin;          /* empty cells kept around every mesh, >= 1; default 2 */
+    int32_t margin;          /* empty cells kept ahead of and behind every mesh, >= 1; default 2 */
+    int32_t margin_across;   /* empty cells kept beside, above and below it, >= 0; default 0 */
     int32_t up;              /* DQA_UP_*: which way the meshes added later stand */
     int32_t subsamples;      /* rays per cell and axis for the covered fraction, in [1, 16]; default 8 */
     int32_t peak;            /* DQA_PEAK_* */
     int32_t max_iterations;  /* of the barycentre; default 5000 */
     int32_t threads;         /* >= 1; results do not depend on it; default 1 */
+    int32_t padding;         /* must be 0 */
     double body_length;      /* m: length of the longest base; sets the cell size; default 1 */
     double cell_size;        /* m: overrides body_length when > 0; default 0 */
     double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.4 */
@@ -123,7 +125,7 @@ DQA_API dqa_status dqa_shape_space_create(const dqa_shape_space_options *options
 DQA_API void dqa_shape_space_free(dqa_shape_space *space);
 
 /* Adds a base from a closed triangle mesh. vertices [n_vertices][3], any unit; triangles [n_triangles][3].
- * The mesh is scaled uniformly to fit the box with its margin and centred by its centre of mass.
+ * The mesh is scaled uniformly to fit the box with its margins and centred by its centre of mass.
  * n_vertices and n_triangles count rows. *base receives the index of the base (NULL: not wanted). */
 DQA_API dqa_status dqa_shape_space_add_mesh(dqa_shape_space *space, const char *name, const double *vertices,
                                             int64_t n_vertices, const int32_t *triangles, int64_t n_triangles,

@@ -17,7 +17,7 @@ dqa_shape_space_options default_options() {
     o.struct_size = sizeof o;
     o.dims = 3;
     o.cells_x = s.cells[0], o.cells_y = s.cells[1], o.cells_z = s.cells[2];
-    o.margin = s.margin;
+    o.margin = s.margin, o.margin_across = s.margin_across;
     o.up = DQA_UP_AUTO;
     o.subsamples = s.subsamples;
     o.peak = DQA_PEAK_SMOOTH;
@@ -37,8 +37,10 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.cells_x, o.cells_x >= 8 && o.cells_x <= 512, "cells_x", "a number of cells in [8, 512]");
     require_range(o.cells_y, o.cells_y >= 8 && o.cells_y <= 512, "cells_y", "a number of cells in [8, 512]");
     require_range(o.cells_z, o.cells_z >= 8 && o.cells_z <= 512, "cells_z", "a number of cells in [8, 512]");
-    const int least = std::min({o.cells_x, o.cells_y, o.cells_z});
-    require_range(o.margin, o.margin >= 1 && 2 * o.margin < least, "margin", "at least 1 and less than half of the smallest side");
+    require_range(o.margin, o.margin >= 1 && o.margin <= 256 && 2 * o.margin < o.cells_x, "margin", "at least 1 and less than half of cells_x");
+    require_range(o.margin_across, o.margin_across >= 0 && o.margin_across <= 256 && 2 * o.margin_across < std::min(o.cells_y, o.cells_z), "margin_across",
+                  "at least 0 and less than half of cells_y and cells_z");
+    require_range(o.padding, o.padding == 0, "padding", "0");
     require_range(o.up, o.up >= DQA_UP_AUTO && o.up <= DQA_UP_Y, "up", "one of DQA_UP_AUTO, DQA_UP_Z, DQA_UP_Y");
     require_range(o.subsamples, o.subsamples >= 1 && o.subsamples <= 16, "subsamples", "a number in [1, 16]");
     require_range(o.peak, o.peak == DQA_PEAK_SMOOTH || o.peak == DQA_PEAK_PAPER, "peak", "DQA_PEAK_SMOOTH or DQA_PEAK_PAPER");
@@ -50,7 +52,7 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.tolerance, o.tolerance > 0, "tolerance", "a number > 0");
     dqa::ShapeSettings s;
     s.cells = {o.cells_x, o.cells_y, o.cells_z};
-    s.margin = o.margin, s.up = o.up, s.subsamples = o.subsamples;
+    s.margin = o.margin, s.margin_across = o.margin_across, s.up = o.up, s.subsamples = o.subsamples;
     s.peak = static_cast<dqa::Peak>(o.peak);
     s.max_iterations = o.max_iterations, s.threads = o.threads;
     s.body_length = o.body_length, s.cell_size = o.cell_size, s.sigma = o.sigma, s.tolerance = o.tolerance;

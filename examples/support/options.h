@@ -12,6 +12,7 @@ typedef struct options {
     int64_t iterations;                /* of the optimiser, >= 1 */
     int64_t steps;                     /* of a rollout, >= 1 */
     int32_t threads;                   /* >= 1 */
+    double sigma;                      /* width of the interpolation's kernel, in cells */
     int fixed_control;                 /* only the weights are optimised */
     int quick;                         /* the coarse settings were asked for */
     int resume;                        /* continue from the checkpoint in `out` */

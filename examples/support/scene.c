@@ -25,6 +25,7 @@ static int build_space(scene* s, const options* o, progress* p) {
     settings.cells_x = o->grid[0];
     settings.cells_y = o->grid[1];
     settings.cells_z = o->grid[2];
+    settings.sigma = o->sigma;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");

@@ -14,6 +14,7 @@ static void write_settings(json* j, const options* o, const run* r) {
     json_close(j, ']');
     json_integer(j, "iterations", o->iterations);
     json_integer(j, "steps", o->steps);
+    json_number(j, "sigma", o->sigma);
     json_number(j, "time_step", SCENE_TIME_STEP);
     json_boolean(j, "fixed_control", o->fixed_control);
     json_boolean(j, "quick", o->quick);

@@ -47,7 +47,7 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     orient_up(cleaned, settings_.up);
     BaseShape base;
     base.name = name;
-    base.fractions = covered_fractions(cleaned, box_, settings_.margin, settings_.subsamples, settings_.threads,
+    base.fractions = covered_fractions(cleaned, box_, {settings_.margin, settings_.margin_across}, settings_.subsamples, settings_.threads,
                                        &base.length_in_cells);
     bases_.push_back(std::move(base));
     return static_cast<int>(bases_.size()) - 1;

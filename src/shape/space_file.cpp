@@ -115,7 +115,7 @@ void ShapeSpace::save(const std::string& path) const {
     w.bytes.append(kMagic, sizeof kMagic);
     w.put(kVersion);
     for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
-    for (const int v : {settings_.margin, settings_.up, settings_.subsamples, static_cast<int>(settings_.peak),
+    for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples, static_cast<int>(settings_.peak),
                         settings_.max_iterations})
         w.put(static_cast<std::int32_t>(v));
     for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
@@ -151,7 +151,7 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
         fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
     ShapeSettings s;
     for (int& n : s.cells) n = r.integer("a number of cells", 1, 512);
-    s.margin = r.integer("margin", 0, 256), s.up = r.integer("up", UP_AUTO, UP_Y);
+    s.margin = r.integer("margin", 0, 256), s.margin_across = r.integer("margin_across", 0, 256), s.up = r.integer("up", UP_AUTO, UP_Y);
     s.subsamples = r.integer("subsamples", 1, 1024);
     s.peak = static_cast<Peak>(r.integer("peak", 0, static_cast<int>(Peak::paper)));
     s.max_iterations = r.integer("max_iterations", 1, std::numeric_limits<int>::max());

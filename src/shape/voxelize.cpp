@@ -58,7 +58,7 @@ Int floor_div(Int a, Int b) {
 class Voxelizer {
 public:
     // `centre` (unit of the mesh) comes to stand at the centre of the box.
-    Voxelizer(const TriangleMesh& mesh, const Vec3& centre, const Box& box, int margin, int subsamples)
+    Voxelizer(const TriangleMesh& mesh, const Vec3& centre, const Box& box, Margin margin, int subsamples)
         : mesh_(mesh), box_(box), n_(box.cells), subsamples_(subsamples) {
         place(centre, margin);
         bin_rows();
@@ -99,14 +99,14 @@ private:
     // Rays stand at odd multiples of `half_` from the centre (odd or even, as the number of rays is even or odd).
     Int ray_position(int ray, std::size_t axis) const { return (2 * ray + 1 - n_[axis] * subsamples_) * half_; }
 
-    void place(const Vec3& centre, int margin) {
+    void place(const Vec3& centre, Margin margin) {
         Vec3 lo = mesh_.vertices.at(0), hi = lo;
         for (const Vec3& v : mesh_.vertices)
             for (std::size_t a = 0; a < 3; ++a) lo[a] = std::min(lo[a], v[a]), hi[a] = std::max(hi[a], v[a]);
         double scale = HUGE_VAL;
         for (std::size_t a = 0; a < 3; ++a) {
             const double reach = std::max(hi[a] - centre[a], centre[a] - lo[a]);
-            if (reach > 0.0) scale = std::min(scale, (0.5 * n_[a] - (a == 0 ? margin : 0)) / reach);
+            if (reach > 0.0) scale = std::min(scale, (0.5 * n_[a] - margin.of(a)) / reach);
         }
         if (!std::isfinite(scale) || !(scale > 0.0))
             fail(Status::ERROR_MESH, "a mesh of extents %g x %g x %g cannot be scaled to the box", hi[0] - lo[0],
@@ -119,13 +119,13 @@ private:
         const double per_cell = 2.0 * subsamples_ * static_cast<double>(half_);
         // Round-off must not let a touching mesh spill into the margin.
         const auto lattice = [&](double cells, std::size_t a) {
-            const Int limit = (Int{n_[a]} - 0 * margin) * subsamples_ * half_;
+            const Int limit = (Int{n_[a]} - 2 * margin.of(a)) * subsamples_ * half_;
             return std::clamp<Int>(std::llround(cells * per_cell), -limit, limit);
         };
         vertices_.reserve(mesh_.vertices.size());
         for (const Vec3& v : mesh_.vertices)
             vertices_.push_back(
-                {std::clamp((v[0] - centre[0]) * scale + 0.5 * n_[0], double(margin), double(n_[0] - margin)),
+                {std::clamp((v[0] - centre[0]) * scale + 0.5 * n_[0], double(margin.along), double(n_[0] - margin.along)),
                  lattice((v[1] - centre[1]) * scale, 1), lattice((v[2] - centre[2]) * scale, 2)});
     }
 
@@ -210,14 +210,15 @@ Vec3 centroid(const Box& box, const std::vector<double>& fractions) {
 
 }  // namespace
 
-std::vector<double> covered_fractions(const TriangleMesh& cleaned, const Box& box, int margin, int subsamples,
+std::vector<double> covered_fractions(const TriangleMesh& cleaned, const Box& box, Margin margin, int subsamples,
                                       int threads, double* length_in_cells) {
     for (std::size_t a = 0; a < 3; ++a)
         if (box.cells[a] < 1 || box.cells[a] > 4096)
             fail(Status::ERROR_ARGUMENT, "the box has %d cells along %c; expected 1 to 4096", box.cells[a], "xyz"[a]);
-    if (margin < 0 || 2 * margin >= *std::min_element(box.cells.begin(), box.cells.end()))
-        fail(Status::ERROR_ARGUMENT, "a margin of %d cells leaves no room in a box of %d x %d x %d cells", margin,
-             box.cells[0], box.cells[1], box.cells[2]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (margin.of(axis) < 0 || 2 * margin.of(axis) >= box.cells[axis])
+            fail(Status::ERROR_ARGUMENT, "a margin of %d cells leaves no room in a box of %d x %d x %d cells",
+                 margin.of(axis), box.cells[0], box.cells[1], box.cells[2]);
     if (subsamples < 1 || subsamples > 64)
         fail(Status::ERROR_ARGUMENT, "subsamples is %d; expected 1 to 64", subsamples);
     if (cleaned.triangles.empty()) fail(Status::ERROR_MESH, "a mesh without triangles cannot be voxelised");

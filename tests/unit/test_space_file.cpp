@@ -146,8 +146,8 @@ void test_forged_files() {
     const Folder folder;
     space()->save(folder / "good");
     const std::string good = content(folder / "good"), path = folder / "bad";
-    constexpr std::size_t ints = 12, doubles = 44,
-                          bases = 84;  // offsets: cells, margin..; body length..; count of bases
+    constexpr std::size_t ints = 12, doubles = 48,
+                          bases = 88;  // offsets: cells, margin..; body length..; count of bases
     const auto refused = [&](std::string bytes, const char* what) {
         write(path, sealed(std::move(bytes)));
         try {
@@ -176,8 +176,8 @@ void test_forged_files() {
     refused(with_int(ints, 0), "no cells");
     refused(with_int(ints, 513), "too many cells");
     refused(with_int(ints, 19), "fewer cells");
-    refused(with_int(ints + 24, 7), "unknown peak");
-    refused(with_int(ints + 28, 0), "no iterations");
+    refused(with_int(ints + 28, 7), "unknown peak");
+    refused(with_int(ints + 32, 0), "no iterations");
     for (const double x : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
         refused(with_double(doubles, x), "body length");
         refused(with_double(doubles + 16, x), "sigma");
