@@ -22,7 +22,9 @@ dqa_status dqa_controller_create_sinusoid(int32_t n_signals, double time_step, d
     });
 }
 
-void dqa_controller_free(dqa_controller* controller) { delete controller; }
+void dqa_controller_free(dqa_controller* controller) {
+    delete controller;
+}
 
 dqa_status dqa_controller_n_parameters(const dqa_controller* controller, int64_t* n) {
     return guard([&] {
@@ -66,9 +68,11 @@ dqa_status dqa_adam_step(double* x, const double* gradient, const double* rates,
         require_finite(x, n, "x"), require_finite(gradient, n, "gradient"), require_finite(rates, n, "rates");
         require_finite(first_moment, n, "first_moment"), require_finite(second_moment, n, "second_moment");
         for (int64_t k = 0; k < n; ++k) {
-            if (rates[k] < 0) fail(Status::ERROR_ARGUMENT, "rates[%" PRId64 "] is %g, expected a number >= 0", k, rates[k]);
+            if (rates[k] < 0)
+                fail(Status::ERROR_ARGUMENT, "rates[%" PRId64 "] is %g, expected a number >= 0", k, rates[k]);
             if (second_moment[k] < 0)
-                fail(Status::ERROR_ARGUMENT, "second_moment[%" PRId64 "] is %g, expected a number >= 0", k, second_moment[k]);
+                fail(Status::ERROR_ARGUMENT, "second_moment[%" PRId64 "] is %g, expected a number >= 0", k,
+                     second_moment[k]);
         }
         dqa::adam_step(x, gradient, rates, first_moment, second_moment, n, iteration);
     });

@@ -24,7 +24,7 @@ struct dqa_shape_space {
 struct dqa_simulator {
     std::shared_ptr<const dqa::ShapeSpace> space;
     dqa::SceneSettings scene;
-    std::unique_ptr<dqa::Simulation> simulation;  // null before the first design
+    std::unique_ptr<dqa::Simulation> simulation;               // null before the first design
     std::shared_ptr<int> identity = std::make_shared<int>(0);  // tapes know their simulator by it
     std::int64_t newton_iterations = 0, linear_iterations = 0;
     std::shared_ptr<std::atomic<std::int64_t>> adjoint_iterations = std::make_shared<std::atomic<std::int64_t>>(0);
@@ -90,13 +90,15 @@ T read_options(const T* given, const T& defaults, const char* name) {
     std::uint32_t size;
     std::memcpy(&size, given, sizeof size);
     if (size < 8 || size % 8 != 0)
-        fail(Status::ERROR_ARGUMENT, "%s: struct_size is %u, expected a multiple of 8, at least 8; fill it with the _init function",
-             name, size);
+        fail(Status::ERROR_ARGUMENT,
+             "%s: struct_size is %u, expected a multiple of 8, at least 8; fill it with the _init function", name,
+             size);
     const unsigned char* bytes = reinterpret_cast<const unsigned char*>(given);
     for (std::size_t k = sizeof(T); k < size; ++k)
         if (bytes[k] != 0)
-            fail(Status::ERROR_ARGUMENT, "%s: struct_size is %u and byte %zu is set: a field that this library (%zu bytes) does not know",
-                 name, size, k, sizeof(T));
+            fail(Status::ERROR_ARGUMENT,
+                 "%s: struct_size is %u and byte %zu is set: a field that this library (%zu bytes) does not know", name,
+                 size, k, sizeof(T));
     std::memcpy(&out, given, size < sizeof(T) ? size : sizeof(T));
     out.struct_size = static_cast<std::uint32_t>(sizeof(T));
     return out;
@@ -106,7 +108,8 @@ template <class T>
 void init_options(T* out, std::uint64_t size, const T& defaults, const char* name) {
     require(out, name);
     if (size < 8 || size % 8 != 0 || size > 65536)
-        fail(Status::ERROR_ARGUMENT, "size is %llu, expected sizeof of the struct", static_cast<unsigned long long>(size));
+        fail(Status::ERROR_ARGUMENT, "size is %llu, expected sizeof of the struct",
+             static_cast<unsigned long long>(size));
     T value = defaults;
     value.struct_size = static_cast<std::uint32_t>(size);
     std::memset(static_cast<void*>(out), 0, size);
@@ -117,7 +120,8 @@ template <class T>
 void write_struct(T* out, std::uint64_t size, T value, const char* name) {
     require(out, name);
     if (size < 8 || size % 8 != 0)
-        fail(Status::ERROR_ARGUMENT, "size is %llu, expected sizeof of the struct", static_cast<unsigned long long>(size));
+        fail(Status::ERROR_ARGUMENT, "size is %llu, expected sizeof of the struct",
+             static_cast<unsigned long long>(size));
     const std::size_t n = size < sizeof(T) ? size : sizeof(T);
     value.struct_size = static_cast<std::uint32_t>(n);
     std::memcpy(static_cast<void*>(out), &value, n);

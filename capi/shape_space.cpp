@@ -37,13 +37,17 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.cells_x, o.cells_x >= 8 && o.cells_x <= 512, "cells_x", "a number of cells in [8, 512]");
     require_range(o.cells_y, o.cells_y >= 8 && o.cells_y <= 512, "cells_y", "a number of cells in [8, 512]");
     require_range(o.cells_z, o.cells_z >= 8 && o.cells_z <= 512, "cells_z", "a number of cells in [8, 512]");
-    require_range(o.margin, o.margin >= 1 && o.margin <= 256 && 2 * o.margin < o.cells_x, "margin", "at least 1 and less than half of cells_x");
-    require_range(o.margin_across, o.margin_across >= 0 && o.margin_across <= 256 && 2 * o.margin_across < std::min(o.cells_y, o.cells_z), "margin_across",
-                  "at least 0 and less than half of cells_y and cells_z");
+    require_range(o.margin, o.margin >= 1 && o.margin <= 256 && 2 * o.margin < o.cells_x, "margin",
+                  "at least 1 and less than half of cells_x");
+    require_range(
+        o.margin_across,
+        o.margin_across >= 0 && o.margin_across <= 256 && 2 * o.margin_across < std::min(o.cells_y, o.cells_z),
+        "margin_across", "at least 0 and less than half of cells_y and cells_z");
     require_range(o.padding, o.padding == 0, "padding", "0");
     require_range(o.up, o.up >= DQA_UP_AUTO && o.up <= DQA_UP_Y, "up", "one of DQA_UP_AUTO, DQA_UP_Z, DQA_UP_Y");
     require_range(o.subsamples, o.subsamples >= 1 && o.subsamples <= 16, "subsamples", "a number in [1, 16]");
-    require_range(o.peak, o.peak == DQA_PEAK_SMOOTH || o.peak == DQA_PEAK_PAPER, "peak", "DQA_PEAK_SMOOTH or DQA_PEAK_PAPER");
+    require_range(o.peak, o.peak == DQA_PEAK_SMOOTH || o.peak == DQA_PEAK_PAPER, "peak",
+                  "DQA_PEAK_SMOOTH or DQA_PEAK_PAPER");
     require_range(o.max_iterations, o.max_iterations >= 1, "max_iterations", "at least 1");
     require_range(o.threads, o.threads >= 1 && o.threads <= 1024, "threads", "a number in [1, 1024]");
     require_range(o.body_length, o.body_length > 0, "body_length", "a length > 0 (m)");
@@ -69,7 +73,8 @@ dqa_actuator_options default_actuator() {
 
 void require_built(const dqa_shape_space* space) {
     require(space, "space");
-    if (!space->core->built()) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
+    if (!space->core->built())
+        fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
 }
 
 const dqa::BaseShape& base_of(const dqa_shape_space* space, int32_t base) {
@@ -111,7 +116,9 @@ dqa_status dqa_shape_space_create(const dqa_shape_space_options* options, dqa_sh
     });
 }
 
-void dqa_shape_space_free(dqa_shape_space* space) { delete space; }
+void dqa_shape_space_free(dqa_shape_space* space) {
+    delete space;
+}
 
 dqa_status dqa_shape_space_add_mesh(dqa_shape_space* space, const char* name, const double* vertices,
                                     int64_t n_vertices, const int32_t* triangles, int64_t n_triangles, int32_t* base) {
@@ -119,12 +126,16 @@ dqa_status dqa_shape_space_add_mesh(dqa_shape_space* space, const char* name, co
         require(space, "space"), require(name, "name"), require(vertices, "vertices"), require(triangles, "triangles");
         constexpr int64_t most = INT32_MAX / 4;
         if (n_vertices < 0 || n_vertices > most)
-            fail(Status::ERROR_ARGUMENT, "n_vertices is %" PRId64 ", expected a number in [0, %" PRId64 "]", n_vertices, most);
+            fail(Status::ERROR_ARGUMENT, "n_vertices is %" PRId64 ", expected a number in [0, %" PRId64 "]", n_vertices,
+                 most);
         if (n_triangles < 0 || n_triangles > most)
-            fail(Status::ERROR_ARGUMENT, "n_triangles is %" PRId64 ", expected a number in [0, %" PRId64 "]", n_triangles, most);
+            fail(Status::ERROR_ARGUMENT, "n_triangles is %" PRId64 ", expected a number in [0, %" PRId64 "]",
+                 n_triangles, most);
         dqa::TriangleMesh mesh;
-        for (int64_t k = 0; k < n_vertices; ++k) mesh.vertices.push_back({vertices[3 * k], vertices[3 * k + 1], vertices[3 * k + 2]});
-        for (int64_t k = 0; k < n_triangles; ++k) mesh.triangles.push_back({triangles[3 * k], triangles[3 * k + 1], triangles[3 * k + 2]});
+        for (int64_t k = 0; k < n_vertices; ++k)
+            mesh.vertices.push_back({vertices[3 * k], vertices[3 * k + 1], vertices[3 * k + 2]});
+        for (int64_t k = 0; k < n_triangles; ++k)
+            mesh.triangles.push_back({triangles[3 * k], triangles[3 * k + 1], triangles[3 * k + 2]});
         const int index = space->core->add_mesh(name, mesh);
         if (base) *base = index;
     });
@@ -134,10 +145,12 @@ dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space* space, const char* pat
     return guard([&] {
         require(space, "space"), require(path, "path");
         const std::string file(path);
-        if (space->core->built()) fail(Status::ERROR_STATE, "add_mesh_file: the shape space is already built; it is frozen from then on");
+        if (space->core->built())
+            fail(Status::ERROR_STATE, "add_mesh_file: the shape space is already built; it is frozen from then on");
         const std::size_t slash = file.find_last_of('/'), dot = file.find_last_of('.');
         const std::size_t first = slash == std::string::npos ? 0 : slash + 1;
-        const std::string name = file.substr(first, dot == std::string::npos || dot < first ? std::string::npos : dot - first);
+        const std::string name =
+            file.substr(first, dot == std::string::npos || dot < first ? std::string::npos : dot - first);
         const int index = space->core->add_mesh(name, dqa::read_mesh_file(file));
         if (base) *base = index;
     });
@@ -188,12 +201,14 @@ dqa_status dqa_shape_space_get_actuator(const dqa_shape_space* space, int32_t ba
             auto o = read_options(options, default_actuator(), "options");
             const uint32_t size = options->struct_size;
             o.category = category;
-            for (std::size_t k = 0; k < 3; ++k) o.mean[k] = a.mean[k], o.variance[k] = a.variance[k], o.euler[k] = a.euler[k];
+            for (std::size_t k = 0; k < 3; ++k)
+                o.mean[k] = a.mean[k], o.variance[k] = a.variance[k], o.euler[k] = a.euler[k];
             o.struct_size = size;
             std::memcpy(options, &o, size < sizeof o ? size : sizeof o);
             return;
         }
-        fail(Status::ERROR_STATE, "base %d has no actuator of category %d (automatic ones appear at build)", base, category);
+        fail(Status::ERROR_STATE, "base %d has no actuator of category %d (automatic ones appear at build)", base,
+             category);
     });
 }
 
@@ -202,7 +217,8 @@ dqa_status dqa_shape_space_build(dqa_shape_space* space, dqa_progress progress, 
         require(space, "space");
         space->core->build([&](int done, int total) {
             check_cancel(space->cancel);
-            if (progress && progress(done, total, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
+            if (progress && progress(done, total, user_data))
+                fail(Status::CANCELLED, "cancelled by the progress callback");
         });
     });
 }

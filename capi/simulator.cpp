@@ -44,10 +44,12 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
                   "DQA_WATER_NONE or DQA_WATER_IMPLICIT");
     require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
     require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
-    require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set", "a number in [0, 3]");
+    require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
+                  "a number in [0, 3]");
     require_range(o.time_step, o.time_step > 0, "time_step", "a time > 0 (s)");
     require_range(o.young_modulus, o.young_modulus > 0, "young_modulus", "a modulus > 0 (Pa)");
-    require_range(o.poisson_ratio, o.poisson_ratio >= 0 && o.poisson_ratio < 0.5, "poisson_ratio", "a number in [0, 0.5)");
+    require_range(o.poisson_ratio, o.poisson_ratio >= 0 && o.poisson_ratio < 0.5, "poisson_ratio",
+                  "a number in [0, 0.5)");
     require_range(o.density, o.density > 0, "density", "a density > 0 (kg/m^3)");
     require_range(o.muscle_stiffness, o.muscle_stiffness >= 0, "muscle_stiffness", "a modulus >= 0 (Pa)");
     require_range(o.contraction, o.contraction > 0 && o.contraction < 1, "contraction", "a number in (0, 1)");
@@ -55,10 +57,12 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.occupancy_floor, o.occupancy_floor >= 1e-12 && o.occupancy_floor <= 0.1, "occupancy_floor",
                   "a number in [1e-12, 0.1]");
     require_range(o.tolerance, o.tolerance > 0 && o.tolerance < 1, "tolerance", "a number in (0, 1)");
-    require_range(o.adjoint_tolerance, o.adjoint_tolerance > 0 && o.adjoint_tolerance < 1, "adjoint_tolerance", "a number in (0, 1)");
+    require_range(o.adjoint_tolerance, o.adjoint_tolerance > 0 && o.adjoint_tolerance < 1, "adjoint_tolerance",
+                  "a number in (0, 1)");
     require_range(o.water_density, o.water_density > 0, "water_density", "a density > 0 (kg/m^3)");
     require_range(o.speed_smoothing, o.speed_smoothing > 0, "speed_smoothing", "a speed > 0 (m/s)");
-    require_range(o.angle_smoothing, o.angle_smoothing > 0 && o.angle_smoothing <= 0.5, "angle_smoothing", "an angle in (0, 0.5] rad");
+    require_range(o.angle_smoothing, o.angle_smoothing > 0 && o.angle_smoothing <= 0.5, "angle_smoothing",
+                  "an angle in (0, 0.5] rad");
     require_range(o.surface_smoothing, o.surface_smoothing > 0, "surface_smoothing", "a number > 0");
     dqa::SceneSettings s;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,7 +102,8 @@ void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
     if (tape->state->adjoints > 0)
         fail(Status::ERROR_STATE, "tape: an adjoint of it lives; free it before recording more");
     if (!tape->state->tape->continues(*simulator->simulation))
-        fail(Status::ERROR_STATE, "tape does not end at the simulator's present state (design, state or clock changed); clear it first");
+        fail(Status::ERROR_STATE,
+             "tape does not end at the simulator's present state (design, state or clock changed); clear it first");
 }
 
 void count(dqa_simulator* simulator, const dqa::StepReport& report) {
@@ -139,7 +144,9 @@ dqa_status dqa_simulator_create(dqa_shape_space* space, const dqa_simulator_opti
     });
 }
 
-void dqa_simulator_free(dqa_simulator* simulator) { delete simulator; }
+void dqa_simulator_free(dqa_simulator* simulator) {
+    delete simulator;
+}
 
 dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* weights, int64_t m, dqa_progress progress,
                                      void* user_data) {
@@ -206,7 +213,8 @@ dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation,
         require_count(n, design.n_signals(), "n", "actuation [n_signals]");
         for (int64_t k = 0; k < n; ++k)
             if (!(actuation[k] >= -1.0 && actuation[k] <= 1.0))
-                fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %g, expected a number in [-1, 1]", k, actuation[k]);
+                fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %g, expected a number in [-1, 1]", k,
+                     actuation[k]);
         require_tape(simulator, tape);
         if (tape && tape->state->tape->controller())
             fail(Status::ERROR_STATE, "tape was driven by a controller so far; clear it before single steps");
@@ -265,8 +273,10 @@ dqa_status dqa_simulator_sensors(const dqa_simulator* simulator, double* sensors
         require(sensors, "sensors");
         require_count(n, 18, "n", "sensors [2][3][dims]");
         for (int k = 0; k < 3; ++k) {
-            const dqa::Vec3 x = s.design().sensors().read(k, s.q().data()), u = s.design().sensors().read(k, s.v().data());
-            for (std::size_t a = 0; a < 3; ++a) sensors[3 * k + static_cast<int>(a)] = x[a], sensors[9 + 3 * k + static_cast<int>(a)] = u[a];
+            const dqa::Vec3 x = s.design().sensors().read(k, s.q().data()),
+                            u = s.design().sensors().read(k, s.v().data());
+            for (std::size_t a = 0; a < 3; ++a)
+                sensors[3 * k + static_cast<int>(a)] = x[a], sensors[9 + 3 * k + static_cast<int>(a)] = u[a];
         }
     });
 }
@@ -277,7 +287,8 @@ dqa_status dqa_simulator_forces(const dqa_simulator* simulator, double* forces, 
         require(forces, "forces");
         require_count(n, 12, "n", "forces [4][dims]");
         for (std::size_t a = 0; a < 3; ++a)
-            forces[a] = t.drag[a], forces[3 + a] = t.thrust[a], forces[6 + a] = t.mean_drag[a], forces[9 + a] = t.mean_thrust[a];
+            forces[a] = t.drag[a], forces[3 + a] = t.thrust[a], forces[6 + a] = t.mean_drag[a],
+            forces[9 + a] = t.mean_thrust[a];
     });
 }
 
@@ -286,7 +297,8 @@ dqa_status dqa_simulator_surface(const dqa_simulator* simulator, double* vertice
     return guard([&] {
         const dqa::Simulation& s = design_of(simulator);
         const dqa::Isosurface& surface = s.design().surface();
-        const int64_t rows_v = static_cast<int64_t>(surface.vertices.size()), rows_t = static_cast<int64_t>(surface.triangles.size());
+        const int64_t rows_v = static_cast<int64_t>(surface.vertices.size()),
+                      rows_t = static_cast<int64_t>(surface.triangles.size());
         if (vertices) require_count(nv, 3 * rows_v, "nv", "vertices [n_vertices][3]");
         if (triangles) require_count(nt, 3 * rows_t, "nt", "triangles [n_triangles][3]");
         if (vertices) {

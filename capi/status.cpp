@@ -47,11 +47,14 @@ dqa_status guard(const std::function<void()>& f) noexcept {
     }
 }
 
-void bad_null(const char* name) { fail(Status::ERROR_ARGUMENT, "%s is NULL, expected a valid pointer", name); }
+void bad_null(const char* name) {
+    fail(Status::ERROR_ARGUMENT, "%s is NULL, expected a valid pointer", name);
+}
 
 void require_count(std::int64_t got, std::int64_t expected, const char* name, const char* shape) {
     if (got != expected)
-        fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected %" PRId64 " elements: %s", name, got, expected, shape);
+        fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected %" PRId64 " elements: %s", name, got, expected,
+             shape);
 }
 
 void require_finite(const double* values, std::int64_t n, const char* name) {
@@ -97,7 +100,9 @@ const char* dqa_version(void) {
     return DQA_STRING(DQA_VERSION_MAJOR) "." DQA_STRING(DQA_VERSION_MINOR) "." DQA_STRING(DQA_VERSION_PATCH);
 }
 
-int32_t dqa_abi_version(void) { return DQA_ABI_VERSION; }
+int32_t dqa_abi_version(void) {
+    return DQA_ABI_VERSION;
+}
 
 const char* dqa_features(void) {
     static const std::string features = [] {
@@ -120,29 +125,36 @@ const char* dqa_features(void) {
 const char* dqa_status_name(dqa_status status) {
     switch (status) {
 #define DQA_X(name, value, text) \
-    case value: return "DQA_" #name;
+    case value:                  \
+        return "DQA_" #name;
         DQA_STATUS_LIST(DQA_X)
 #undef DQA_X
-        default: return "unknown status";
+        default:
+            return "unknown status";
     }
 }
 
 const char* dqa_status_text(dqa_status status) {
     switch (status) {
 #define DQA_X(name, value, text) \
-    case value: return text;
+    case value:                  \
+        return text;
         DQA_STATUS_LIST(DQA_X)
 #undef DQA_X
-        default: return "unknown status";
+        default:
+            return "unknown status";
     }
 }
 
-const char* dqa_last_error(void) { return last_error_message.c_str(); }
+const char* dqa_last_error(void) {
+    return last_error_message.c_str();
+}
 
 dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void* user_data) {
     return guard([&] {
         if (handler && (level < DQA_LOG_ERROR || level > DQA_LOG_DEBUG))
-            dqa::fail(dqa::Status::ERROR_ARGUMENT, "level is %d, expected DQA_LOG_ERROR (1) to DQA_LOG_DEBUG (4)", level);
+            dqa::fail(dqa::Status::ERROR_ARGUMENT, "level is %d, expected DQA_LOG_ERROR (1) to DQA_LOG_DEBUG (4)",
+                      level);
         dqa::set_log_handler(handler, level, user_data);
     });
 }
@@ -169,6 +181,8 @@ dqa_status dqa_cancel_token_reset(dqa_cancel_token* token) {
     });
 }
 
-void dqa_cancel_token_free(dqa_cancel_token* token) { delete token; }
+void dqa_cancel_token_free(dqa_cancel_token* token) {
+    delete token;
+}
 
 }  // extern "C"

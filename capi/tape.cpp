@@ -42,7 +42,8 @@ const dqa::Tape& recorded(const dqa_tape* tape) {
 }
 
 void require_step(int64_t step, int64_t last, const char* name) {
-    if (step < 0 || step > last) fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected an index in [0, %" PRId64 "]", name, step, last);
+    if (step < 0 || step > last)
+        fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected an index in [0, %" PRId64 "]", name, step, last);
 }
 
 }  // namespace
@@ -51,17 +52,20 @@ namespace dqa::capi {
 
 std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms) {
     require(terms, "terms");
-    if (n_terms < 1 || n_terms > 1000000) fail(Status::ERROR_ARGUMENT, "n_terms is %" PRId64 ", expected at least 1", n_terms);
+    if (n_terms < 1 || n_terms > 1000000)
+        fail(Status::ERROR_ARGUMENT, "n_terms is %" PRId64 ", expected at least 1", n_terms);
     const std::uint32_t stride = terms->struct_size;
     std::vector<ObjectiveTerm> out;
     for (std::int64_t k = 0; k < n_terms; ++k) {
         const auto* at = reinterpret_cast<const dqa_objective_term*>(reinterpret_cast<const char*>(terms) + k * stride);
         const auto t = read_options(at, default_term(), "terms");
         if (at->struct_size != stride)
-            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].struct_size is %u, expected %u as in terms[0]", k, at->struct_size, stride);
+            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].struct_size is %u, expected %u as in terms[0]", k,
+                 at->struct_size, stride);
         if (t.kind != DQA_OBJECTIVE_TRAVEL)
             fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].kind is %d, expected DQA_OBJECTIVE_TRAVEL (0)", k, t.kind);
-        if (!std::isfinite(t.weight)) fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].weight is %g, expected a finite number", k, t.weight);
+        if (!std::isfinite(t.weight))
+            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].weight is %g, expected a finite number", k, t.weight);
         out.push_back({static_cast<ObjectiveKind>(t.kind), t.weight});
     }
     return out;
@@ -81,7 +85,8 @@ dqa_status dqa_tape_create(dqa_simulator* simulator, const dqa_tape_options* opt
         require(simulator, "simulator");
         const auto o = read_options(options, default_options(), "options");
         require_range(o.flags, o.flags == 0, "flags", "0");
-        if (o.memory_bytes < 0) fail(Status::ERROR_ARGUMENT, "memory_bytes is %" PRId64 ", expected a number >= 0", o.memory_bytes);
+        if (o.memory_bytes < 0)
+            fail(Status::ERROR_ARGUMENT, "memory_bytes is %" PRId64 ", expected a number >= 0", o.memory_bytes);
         auto made = std::make_unique<dqa_tape>();
         made->state = std::make_shared<TapeState>(o.memory_bytes);
         made->state->simulator = simulator->identity;
@@ -90,7 +95,9 @@ dqa_status dqa_tape_create(dqa_simulator* simulator, const dqa_tape_options* opt
     });
 }
 
-void dqa_tape_free(dqa_tape* tape) { delete tape; }
+void dqa_tape_free(dqa_tape* tape) {
+    delete tape;
+}
 
 dqa_status dqa_tape_clear(dqa_tape* tape) {
     return guard([&] {
@@ -133,7 +140,8 @@ dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, 
         const dqa::Tape& t = recorded(tape);
         require(vertices, "vertices");
         require_step(step, t.n_steps(), "step");
-        require_count(nv, 3 * static_cast<int64_t>(t.design().surface().vertices.size()), "nv", "vertices [n_vertices][3]");
+        require_count(nv, 3 * static_cast<int64_t>(t.design().surface().vertices.size()), "nv",
+                      "vertices [n_vertices][3]");
         const auto x = t.design().carry_surface(t.q(step).data());
         std::memcpy(vertices, x.data(), x.size() * sizeof x[0]);
     });
@@ -197,7 +205,8 @@ dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity
         require_count(n, static_cast<int64_t>(a.position_bar().size()), "n", "bar [n_nodes][dims]");
         require_finite(bar, n, "bar");
         if (step > a.position())
-            fail(Status::ERROR_STATE, "step is %" PRId64 ", expected at most %ld: the sweep has passed it", step, a.position());
+            fail(Status::ERROR_STATE, "step is %" PRId64 ", expected at most %ld: the sweep has passed it", step,
+                 a.position());
         if (quantity == DQA_SEED_POSITION)
             a.seed_position(static_cast<long>(step), bar);
         else
@@ -218,7 +227,8 @@ dqa_status dqa_adjoint_backward(dqa_adjoint* adjoint, int64_t to_step, dqa_progr
         dqa::Adjoint& a = *adjoint->core;
         require_step(to_step, a.tape().n_steps(), "to_step");
         if (to_step > a.position())
-            fail(Status::ERROR_STATE, "to_step is %" PRId64 ", expected at most %ld: the sweep has passed it", to_step, a.position());
+            fail(Status::ERROR_STATE, "to_step is %" PRId64 ", expected at most %ld: the sweep has passed it", to_step,
+                 a.position());
         const auto account = [&] {
             const std::int64_t fresh = a.iterations() - adjoint->counted;
             adjoint->counted = a.iterations();
@@ -231,7 +241,8 @@ dqa_status dqa_adjoint_backward(dqa_adjoint* adjoint, int64_t to_step, dqa_progr
         try {
             a.backward(static_cast<long>(to_step), [&](long done, long total) {
                 check_cancel(done < total ? adjoint->cancel : nullptr);
-                if (progress && progress(done, total, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
+                if (progress && progress(done, total, user_data))
+                    fail(Status::CANCELLED, "cancelled by the progress callback");
             });
         } catch (...) {
             account();
@@ -245,10 +256,13 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
     return guard([&] {
         require(adjoint, "adjoint"), require(out, "out");
         dqa::Adjoint& a = *adjoint->core;
-        require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+        require_range(with_respect_to,
+                      with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
                       "with_respect_to", "one of DQA_WRT_*");
         if (with_respect_to != DQA_WRT_ACTUATION && (!a.begun() || a.position() > 0))
-            fail(Status::ERROR_STATE, "the sweep stands at step %ld, expected 0: call dqa_adjoint_backward(adjoint, 0, ...) first", a.position());
+            fail(Status::ERROR_STATE,
+                 "the sweep stands at step %ld, expected 0: call dqa_adjoint_backward(adjoint, 0, ...) first",
+                 a.position());
         const auto give = [&](const std::vector<double>& values, const char* shape) {
             copy_out(values.data(), values.size(), out, n, "n", shape);
         };
@@ -257,10 +271,18 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
                 require_count(n, static_cast<int64_t>(a.tape().design().space().bases().size()), "n", "[n_bases]");
                 give(a.weights_bar(), "[n_bases]");
                 break;
-            case DQA_WRT_CONTROL: give(a.control_bar(), "[n_parameters]"); break;
-            case DQA_WRT_ACTUATION: give(a.actuation_bar(), "[n_steps][n_signals]"); break;
-            case DQA_WRT_INITIAL_POSITION: give(a.position_bar(), "[n_nodes][dims]"); break;
-            default: give(a.velocity_bar(), "[n_nodes][dims]"); break;
+            case DQA_WRT_CONTROL:
+                give(a.control_bar(), "[n_parameters]");
+                break;
+            case DQA_WRT_ACTUATION:
+                give(a.actuation_bar(), "[n_steps][n_signals]");
+                break;
+            case DQA_WRT_INITIAL_POSITION:
+                give(a.position_bar(), "[n_nodes][dims]");
+                break;
+            default:
+                give(a.velocity_bar(), "[n_nodes][dims]");
+                break;
         }
     });
 }
@@ -278,14 +300,17 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
         const auto list = read_terms(terms, n_terms);
         const auto o = read_options(options, default_check(), "options");
         require(report, "report");
-        if (report_size < 8) fail(Status::ERROR_ARGUMENT, "report_size is %" PRIu64 ", expected sizeof of the struct", report_size);
+        if (report_size < 8)
+            fail(Status::ERROR_ARGUMENT, "report_size is %" PRIu64 ", expected sizeof of the struct", report_size);
         require_range(o.flags, o.flags == 0, "flags", "0");
-        require_range(o.with_respect_to, o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+        require_range(o.with_respect_to,
+                      o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
                       "with_respect_to", "one of DQA_WRT_*");
         require_range(o.n_steps, o.n_steps >= 1 && o.n_steps <= 10000, "n_steps", "a number in [1, 10000]");
         require_range(o.step, o.step >= 0, "step", "a number >= 0");
         if (controller && controller->core->n_signals() != simulation.design().n_signals())
-            fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d", controller->core->n_signals(), simulation.design().n_signals());
+            fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d", controller->core->n_signals(),
+                 simulation.design().n_signals());
         dqa::GradientCheckSettings s;
         s.quantity = static_cast<dqa::WithRespectTo>(o.with_respect_to);
         s.n_steps = o.n_steps, s.seed = o.seed, s.step = o.step;

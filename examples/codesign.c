@@ -66,15 +66,15 @@ static int start_run(job* w) {
 }
 
 /* The gradient is proven before it is trusted: at the initial design, once. */
-static int prove_one(job* w, int32_t with_respect_to, const char* doing, gradient_proof* proof) {
+static int prove_one(job* w, int32_t with_respect_to, const char* of, gradient_proof* proof) {
     const double started = progress_clock();
     int outcome;
     if (proof->state != PROOF_OPEN) return DONE;
-    outcome = scene_prove(&w->s, with_respect_to, doing, proof, &w->p);
+    outcome = scene_prove(&w->s, with_respect_to, of, proof, &w->p);
     if (outcome != DONE) return outcome;
     if (proof->state == PROOF_MADE && !(proof->report.relative_error <= 1e-6))
-        say("warning: cannot vouch for the gradient: finite differences differ by %.1e (to %s)",
-            proof->report.relative_error, doing);
+        say("warning: the gradient of the %s differs from finite differences by a relative %.1e", of,
+            proof->report.relative_error);
     w->r.seconds += progress_clock() - started;
     return checkpoint_save(&w->r, w->settings, w->o.out);
 }
@@ -85,9 +85,8 @@ static int prove(job* w) {
     if (w->r.iteration > 0) return DONE;
     outcome = scene_set(&w->s, w->r.x, &w->p);
     /* A single base cannot vary. */
-    if (outcome == DONE && w->r.n_weights > 1)
-        outcome = prove_one(w, DQA_WRT_WEIGHTS, "check the gradient of the weights", weights);
-    if (outcome == DONE) outcome = prove_one(w, DQA_WRT_CONTROL, "check the gradient of the controller", control);
+    if (outcome == DONE && w->r.n_weights > 1) outcome = prove_one(w, DQA_WRT_WEIGHTS, "weights", weights);
+    if (outcome == DONE) outcome = prove_one(w, DQA_WRT_CONTROL, "controller", control);
     return outcome;
 }
 

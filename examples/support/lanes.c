@@ -10,6 +10,8 @@
 #include "output.h"
 #include "say.h"
 
+#define ROOM 0.04 /* of the floor's lines before and behind the swimmers, in lengths */
+
 static const double belly[3] = {0.93, 0.94, 0.92};
 
 int64_t lanes_frame(const motion* m, int lane) {
@@ -29,6 +31,36 @@ double lanes_nose(const motion* m, int64_t frame) {
     double most = q[0];
     for (int64_t i = 1; i < m->n_vertices; ++i) most = fmax(most, q[3 * i]);
     return most;
+}
+
+/* Widens what the view covers by the point (x, y, z), projected as gnuplot's `set view` does. */
+static void cover(lanes_box* box, double x, double y, double z) {
+    const double degree = SCENE_PI / 180.0, a = LANES_VIEW_X * degree, b = LANES_VIEW_Z * degree;
+    const double dx = x - 0.5 * (box->x_least + box->x_most), dz = z - 0.5 * (box->floor + box->top);
+    const double across = dx * cos(b) + y * sin(b), upward = (y * cos(b) - dx * sin(b)) * cos(a) + dz * sin(a);
+    box->left = fmin(box->left, across);
+    box->right = fmax(box->right, across);
+    box->below = fmin(box->below, upward);
+    box->above = fmax(box->above, upward);
+}
+
+/* What the view has to cover: the swimmers in their lanes, the lanes' lines, and the start line. */
+static void measure_view(lanes_box* box, const motion* const* motions, int n) {
+    box->left = box->below = HUGE_VAL;
+    box->right = box->above = -HUGE_VAL;
+    for (int lane = 0; lane < LANES; ++lane) {
+        const double y = lanes_y(box, lane);
+        cover(box, box->x_least, y, box->floor);
+        cover(box, box->x_most, y, box->floor);
+        for (int k = 0; k < n; ++k) {
+            const double* q = motion_frame(motions[k], lanes_frame(motions[k], lane));
+            for (int64_t i = 0; i < motions[k]->n_vertices; ++i) cover(box, q[3 * i], q[3 * i + 1] + y, q[3 * i + 2]);
+        }
+    }
+    for (int k = 0; k < n; ++k) {
+        cover(box, lanes_nose(motions[k], 0), -lanes_edge(box), box->floor);
+        cover(box, lanes_nose(motions[k], 0), lanes_edge(box), box->floor);
+    }
 }
 
 void lanes_measure(lanes_box* box, const motion* const* motions, int n) {
@@ -53,6 +85,9 @@ void lanes_measure(lanes_box* box, const motion* const* motions, int n) {
     /* A tall swimmer must not hide the one behind it: what its height covers on the slanted floor counts too. */
     box->spacing = fmax(2.2 * box->half_width, 1.0 * (box->top - box->floor));
     box->spacing = fmax(box->spacing, 0.22 * length);
+    box->x_least -= ROOM * length;
+    box->x_most += ROOM * length;
+    measure_view(box, motions, n);
 }
 
 static void subtract(const double* a, const double* b, double* d) {

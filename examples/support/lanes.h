@@ -15,6 +15,7 @@
 typedef struct lanes_box {
     double x_least, x_most, half_width, floor, top; /* m; half_width of the widest swimmer about y = 0 */
     double spacing;                                 /* m between lanes */
+    double left, right, below, above; /* m: what the view covers, from the projection of the box's centre */
 } lanes_box;
 
 /* Frame shown in a lane: the first, the last, and evenly between. */
@@ -23,7 +24,7 @@ int64_t lanes_frame(const motion* m, int lane);
 double lanes_y(const lanes_box* box, int lane);
 /* Lateral distance of the outermost swimmers' outer sides from the middle, m. */
 double lanes_edge(const lanes_box* box);
-/* The box around n motions. */
+/* The box around n motions, with room before and behind the swimmers for the lines on the floor. */
 void lanes_measure(lanes_box* box, const motion* const* motions, int n);
 /* Foremost point of a frame, m. */
 double lanes_nose(const motion* m, int64_t frame);

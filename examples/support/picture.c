@@ -30,7 +30,6 @@
 #define TIME_LABEL 85.0
 #define PANEL_BOTTOM 0.035 /* share of the picture's height */
 #define KEY_ENTRIES 8
-#define ROOM 0.04 /* before and behind the swimmers, in lengths */
 
 /* In gnuplot's single quotes, where only the quote itself is special. */
 static void quoted(FILE* f, const char* text, size_t most) {
@@ -141,27 +140,27 @@ static void curves(FILE* f, const run* r, const dqa_shape_space* space) {
     }
 }
 
-/* Side, in pixels, of the square that gnuplot must be given for the projected box to fill a panel: with fixed margins
- * and `set view equal xyz` it maps the longest axis to the plot's smaller side, whatever the view. */
-static double square(const lanes_box* box, double length, double width) {
-    const double rx = LANES_VIEW_X * SCENE_PI / 180.0, rz = LANES_VIEW_Z * SCENE_PI / 180.0;
-    const double height = box->top - box->floor;
-    const double across = length * cos(rz) + width * sin(rz);
-    const double upward = (length * sin(rz) + width * cos(rz)) * cos(rx) + height * sin(rx);
-    const double scale = fmin((PANEL_WIDTH - TIME_LABEL) / across, PANEL_HEIGHT / upward); /* pixels a metre */
-    return scale * fmax(fmax(length, width), height);
+/* Pixels a metre at which all swimmers fill their panels. */
+static double scale_of(const lanes_box* box) {
+    return fmin((PANEL_WIDTH - TIME_LABEL) / (box->right - box->left), PANEL_HEIGHT / (box->above - box->below));
+}
+
+/* The zoom of `set view` that gives this scale: with `set view equal xyz` and no margins gnuplot maps the longest axis
+ * to 4/7 of the smaller side of the plot, less what it keeps for tics. */
+static double zoom_of(const lanes_box* box) {
+    const double longest = fmax(fmax(box->x_most - box->x_least, 2.0 * lanes_edge(box)), box->top - box->floor);
+    return scale_of(box) * longest / (4.0 / 7.0 * (fmin(PANEL_WIDTH, PANEL_HEIGHT) - TICS));
 }
 
 static void scenery(FILE* f, const lanes_box* box) {
-    const double room = ROOM * (box->x_most - box->x_least), y = lanes_edge(box);
+    const double y = lanes_edge(box);
     fprintf(f,
             "unset border; unset tics; unset grid; unset xlabel; unset ylabel; unset key; unset colorbox\n"
             "set datafile separator whitespace\n"
-            "set view %g, %g\nset view equal xyz\nset xyplane at %.6g\n"
+            "set view %g, %g, %.4f\nset view equal xyz\nset xyplane at %.6g\n"
             "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\nset zrange [%.6g:%.6g]\n"
             "set pm3d depthorder corners2color c1\n",
-            LANES_VIEW_X, LANES_VIEW_Z, box->floor, box->x_least - room, box->x_most + room, -y, y, box->floor,
-            box->top);
+            LANES_VIEW_X, LANES_VIEW_Z, zoom_of(box), box->floor, box->x_least, box->x_most, -y, y, box->floor, box->top);
 }
 
 /* A straight line on the floor. */
@@ -171,11 +170,13 @@ static void floor_line(FILE* f, const lanes_box* box, double x0, double y0, doub
 }
 
 static void swimmer(FILE* f, const motion* m, const lanes_box* box, const char* what, const char* name, double left) {
-    const double length = box->x_most - box->x_least, room = ROOM * length;
     const double y = lanes_edge(box), start = lanes_nose(m, 0);
-    const double half_side = 0.5 * square(box, length + 2.0 * room, 2.0 * y);
-    const double middle = left + 0.5 * (PANEL_WIDTH - TIME_LABEL) / PICTURE_WIDTH;
-    const double centre = PANEL_BOTTOM + 0.5 * PANEL_HEIGHT / PICTURE_HEIGHT;
+    /* The view is centred where the box is; what it covers is to be in the middle of the panel. */
+    const double scale = scale_of(box);
+    const double middle =
+        left + (0.5 * (PANEL_WIDTH - TIME_LABEL) - 0.5 * scale * (box->left + box->right)) / PICTURE_WIDTH;
+    const double centre =
+        PANEL_BOTTOM + (0.5 * PANEL_HEIGHT - 0.5 * scale * (box->below + box->above)) / PICTURE_HEIGHT;
     fprintf(f,
             "set lmargin at screen %.4f; set rmargin at screen %.4f\n"
             "set tmargin at screen %.4f; set bmargin at screen %.4f\n"
@@ -189,10 +190,10 @@ static void swimmer(FILE* f, const motion* m, const lanes_box* box, const char* 
     for (int lane = 0; lane < LANES; ++lane) {
         /* The lane's middle line, where its swimmer's nose stands above the floor, and its time. */
         const double at = lanes_y(box, lane), nose = lanes_nose(m, lanes_frame(m, lane)), half = 0.2 * box->spacing;
-        floor_line(f, box, box->x_least - room, at, box->x_most + room, at, "lc rgb '#c4d3da' lw 1.2 back");
+        floor_line(f, box, box->x_least, at, box->x_most, at, "lc rgb '#c4d3da' lw 1.2 back");
         floor_line(f, box, nose, at - half, nose, at + half, "lc rgb '#0072b2' lw 4 back");
         fprintf(f, "set label 't = %.2f s' at %.6g,%.6g,%.6g left offset 0.5,0 font ',12' tc rgb '#303030'\n",
-                (double)lanes_frame(m, lane) * m->time_step, box->x_most + room, at, box->floor);
+                (double)lanes_frame(m, lane) * m->time_step, box->x_most, at, box->floor);
     }
     floor_line(f, box, start, -y, start, y, "lc rgb '#d55e00' lw 2.5 back");
     fprintf(f, "set label 'start' at %.6g,%.6g,%.6g center offset 0,-0.7 font ',12' tc rgb '#d55e00'\n", start, -y,

@@ -161,10 +161,12 @@ int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row
     return DONE;
 }
 
-int scene_prove(scene* s, int32_t with_respect_to, const char* doing, gradient_proof* proof, progress* p) {
+int scene_prove(scene* s, int32_t with_respect_to, const char* of, gradient_proof* proof, progress* p) {
     dqa_objective_term term;
     dqa_gradient_check_options settings;
+    char doing[64];
     int outcome = travel(&term);
+    (void)snprintf(doing, sizeof doing, "check the gradient of the %s", of);
     if (outcome == DONE)
         outcome = say_status(dqa_gradient_check_options_init(&settings, sizeof settings), "set up the gradient check");
     if (outcome != DONE) return outcome;

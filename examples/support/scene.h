@@ -12,7 +12,7 @@
 #define SCENE_PI 3.14159265358979323846
 #define SCENE_OMEGA0 (SCENE_PI / (6.0 * SCENE_TIME_STEP)) /* rad/s: a period of 12 steps */
 
-#define SCENE_PROOF_STEPS 10 /* of the rollout whose gradient is checked */
+#define SCENE_PROOF_STEPS 5 /* of the rollout whose gradient is checked */
 
 typedef struct scene {
     dqa_cancel_token* cancel;
@@ -34,8 +34,9 @@ int scene_set(scene* s, const double* x, progress* p);
 int scene_swim(scene* s, const double* x, progress* p);
 /* Loss (travel, m) of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
-/* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL) by the library's finite differences, which
- * want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but is no failure. */
-int scene_prove(scene* s, int32_t with_respect_to, const char* doing, gradient_proof* proof, progress* p);
+/* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL, in words `of`) by the library's finite
+ * differences, which want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but
+ * is no failure. */
+int scene_prove(scene* s, int32_t with_respect_to, const char* of, gradient_proof* proof, progress* p);
 
 #endif

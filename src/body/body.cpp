@@ -49,7 +49,8 @@ Body::Body(const ActiveSet& set, const std::vector<double>& mu, const std::vecto
     for (int e = 0; e < entries_.n_blocks() * 8; ++e) {
         const MuscleEntry& m = muscles_[static_cast<std::size_t>(std::min(e, n_muscles() - 1))];
         for (int k = 0; k < 3; ++k)
-            muscle_direction_[static_cast<std::size_t>((e / 8) * 24 + k * 8 + e % 8)] = m.direction[static_cast<std::size_t>(k)];
+            muscle_direction_[static_cast<std::size_t>((e / 8) * 24 + k * 8 + e % 8)] =
+                m.direction[static_cast<std::size_t>(k)];
     }
 }
 
@@ -57,8 +58,10 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
                       double* muscle_out) const {
     const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
     const std::size_t groups = static_cast<std::size_t>(entries_.n_blocks());
-    fit(ws.elastic_force, blocks * kCellForce), fit(ws.elastic_energy, blocks), fit(ws.elastic_cache, blocks * kElasticCache);
-    fit(ws.muscle_force, groups * kCellForce), fit(ws.muscle_energy, groups), fit(ws.muscle_cache, groups * kMuscleCache);
+    fit(ws.elastic_force, blocks * kCellForce), fit(ws.elastic_energy, blocks),
+        fit(ws.elastic_cache, blocks * kElasticCache);
+    fit(ws.muscle_force, groups * kCellForce), fit(ws.muscle_energy, groups),
+        fit(ws.muscle_cache, groups * kMuscleCache);
     fit(ws.muscle_rest, groups * 8);
     for (int e = 0; e < entries_.n_blocks() * 8; ++e) {
         const MuscleEntry& m = muscles_[static_cast<std::size_t>(std::min(e, n_muscles() - 1))];
@@ -107,8 +110,8 @@ void Body::filter(BodyWorkspace& ws) const {
     for (std::size_t at = 0; at < ws.elastic_cache.size(); at += 15 * 8)
         for (std::size_t l = 0; l < 8; ++l) {
             double* k = ws.elastic_cache.data() + at + 9 * 8 + l;
-            const double norm2 = k[0] * k[0] + k[8] * k[8] + k[16] * k[16] +
-                                 2.0 * (k[24] * k[24] + k[32] * k[32] + k[40] * k[40]);
+            const double norm2 =
+                k[0] * k[0] + k[8] * k[8] + k[16] * k[16] + 2.0 * (k[24] * k[24] + k[32] * k[32] + k[40] * k[40]);
             if (norm2 <= 0.25) continue;
             const double scale = 0.5 / std::sqrt(norm2);
             for (int c = 0; c < 6; ++c) k[8 * c] *= scale;
@@ -125,7 +128,8 @@ void Body::parameter_pullback(BodyWorkspace& ws, const double* q, const double* 
                               double* weight_bar, double* signal_bar) const {
     std::vector<double> bar(static_cast<std::size_t>(cells_.n_blocks()) * 8);
     parallel_chunks(threads, cells_.n_blocks(), kGrain, [&](int begin, int end) {
-        kernels_.elastic_weight_bar(q, lambda, cells_.nodes(), inv_dx_, begin, end, ws.elastic_cache.data(), bar.data());
+        kernels_.elastic_weight_bar(q, lambda, cells_.nodes(), inv_dx_, begin, end, ws.elastic_cache.data(),
+                                    bar.data());
     });
     for (int c = 0; c < cells_.n_elements(); ++c) mu_bar[c] += 2.0 * gauss_volume_ * bar[static_cast<std::size_t>(c)];
     if (n_muscles() == 0) return;

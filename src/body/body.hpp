@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "grid/parallel.hpp"
 #include "body/kernels.hpp"
 #include "grid/active_set.hpp"
+#include "grid/parallel.hpp"
 
 namespace dqa {
 
@@ -20,11 +20,11 @@ struct BodyWorkspace {
 
 // One fibre group in one cell. Energy density weight/2 (|F m| - r)^2, r = 1 - sign * contraction * signal value.
 struct MuscleEntry {
-    int cell = 0;        // active cell
-    int signal = 0;      // index of the actuation signal
-    double sign = 1.0;   // +1: contracts for a positive signal, -1: its antagonist
-    Vec3 direction{};    // unit, at rest
-    double weight = 0.0; // Pa
+    int cell = 0;         // active cell
+    int signal = 0;       // index of the actuation signal
+    double sign = 1.0;    // +1: contracts for a positive signal, -1: its antagonist
+    Vec3 direction{};     // unit, at rest
+    double weight = 0.0;  // Pa
 };
 
 class Body {

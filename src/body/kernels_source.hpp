@@ -10,18 +10,30 @@ namespace {
 struct V3 {
     V x, y, z;
 };
-inline V3 operator+(const V3& a, const V3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline V3 operator-(const V3& a, const V3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline V3 operator*(V s, const V3& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline V3 operator*(double s, const V3& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline V dot(const V3& a, const V3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline V3 operator+(const V3& a, const V3& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline V3 operator-(const V3& a, const V3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline V3 operator*(V s, const V3& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+inline V3 operator*(double s, const V3& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+inline V dot(const V3& a, const V3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline V3 cross(const V3& a, const V3& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 // Linear shape functions at the two Gauss points of an axis: (1 +- 1/sqrt 3) / 2.
 constexpr double kNear = 0.78867513459481288225, kFar = 0.21132486540518711775;
-inline double shape(int gauss, int node) { return gauss == node ? kNear : kFar; }
+inline double shape(int gauss, int node) {
+    return gauss == node ? kNear : kFar;
+}
 
 // Columns of F at the Gauss points. dF/dX along an axis does not depend on that axis's own Gauss coordinate, so four
 // values per axis serve all eight points (sum factorisation): x[gy][gz], y[gx][gz], z[gx][gy].
@@ -32,7 +44,8 @@ struct Gradient {
 inline void interpolate(const V3 edge[2][2], double scale, V3 out[2][2]) {
     V3 half[2][2];
     for (int a = 0; a < 2; ++a)
-        for (int g = 0; g < 2; ++g) half[a][g] = (scale * shape(g, 0)) * edge[a][0] + (scale * shape(g, 1)) * edge[a][1];
+        for (int g = 0; g < 2; ++g)
+            half[a][g] = (scale * shape(g, 0)) * edge[a][0] + (scale * shape(g, 1)) * edge[a][1];
     for (int h = 0; h < 2; ++h)
         for (int g = 0; g < 2; ++g) out[h][g] = shape(h, 0) * half[0][g] + shape(h, 1) * half[1][g];
 }
@@ -160,7 +173,8 @@ void elastic_gradient(const double* q, const int* nodes, const double* weight, d
                         const V least = V{} + 1e-9;
                         da = select(da > least, da, least);
                         const V id = 1.0 / da;
-                        double* out = cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
+                        double* out =
+                            cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
                         for (int k = 0; k < 3; ++k) {
                             store(out + (3 * k) * kBlock, r[k].x);
                             store(out + (3 * k + 1) * kBlock, r[k].y);
@@ -193,12 +207,14 @@ void elastic_product(const double* p, const int* nodes, const double* weight, do
                 for (int gy = 0; gy < 2; ++gy)
                     for (int gz = 0; gz < 2; ++gz) {
                         const V3 &f0 = f.x[gy][gz], &f1 = f.y[gx][gz], &f2 = f.z[gx][gy];
-                        const double* in = cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
+                        const double* in =
+                            cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
                         const V3 r0 = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
                         const V3 r1 = {load(in + 3 * kBlock), load(in + 4 * kBlock), load(in + 5 * kBlock)};
                         const V3 r2 = {load(in + 6 * kBlock), load(in + 7 * kBlock), load(in + 8 * kBlock)};
                         const V k00 = load(in + 9 * kBlock), k11 = load(in + 10 * kBlock), k22 = load(in + 11 * kBlock);
-                        const V k01 = load(in + 12 * kBlock), k02 = load(in + 13 * kBlock), k12 = load(in + 14 * kBlock);
+                        const V k01 = load(in + 12 * kBlock), k02 = load(in + 13 * kBlock),
+                                k12 = load(in + 14 * kBlock);
                         // dR = R [omega]x with omega = K ax(R^T dF - dF^T R).
                         const V u0 = dot(r2, f1) - dot(r1, f2), u1 = dot(r0, f2) - dot(r2, f0),
                                 u2 = dot(r1, f0) - dot(r0, f1);
@@ -231,7 +247,8 @@ void elastic_weight_bar(const double* q, const double* lambda, const int* nodes,
             for (int gx = 0; gx < 2; ++gx)
                 for (int gy = 0; gy < 2; ++gy)
                     for (int gz = 0; gz < 2; ++gz) {
-                        const double* in = cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
+                        const double* in =
+                            cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * 15 * kBlock + lane;
                         const V3 r0 = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
                         const V3 r1 = {load(in + 3 * kBlock), load(in + 4 * kBlock), load(in + 5 * kBlock)};
                         const V3 r2 = {load(in + 6 * kBlock), load(in + 7 * kBlock), load(in + 8 * kBlock)};
@@ -254,7 +271,9 @@ inline void add_outer(Gradient& p, int gx, int gy, int gz, const V m[3], const V
 }
 
 // |F m|, kept away from zero: a fibre crushed to a point has no direction.
-inline V length_of(const V3& t) { return square_root(dot(t, t) + 1e-24); }
+inline V length_of(const V3& t) {
+    return square_root(dot(t, t) + 1e-24);
+}
 
 void muscle_gradient(const double* q, const int* nodes, const double* direction, const double* weight,
                      const double* rest, double inv_dx, int begin, int end, double* force, double* energy,

@@ -18,7 +18,8 @@ Sinusoid::Sinusoid(int n_signals, double time_step) : time_step_(time_step) {
 
 void Sinusoid::set_parameters(const std::vector<double>& theta) {
     for (std::size_t k = 0; k < theta.size(); ++k) {
-        if (!std::isfinite(theta[k])) fail(Status::ERROR_ARGUMENT, "theta[%zu] is %g, expected a finite number", k, theta[k]);
+        if (!std::isfinite(theta[k]))
+            fail(Status::ERROR_ARGUMENT, "theta[%zu] is %g, expected a finite number", k, theta[k]);
         if (k % 3 == 0 && (theta[k] < 0.0 || theta[k] > 1.0))
             fail(Status::ERROR_ARGUMENT, "theta[%zu] is %g, expected an amplitude in [0, 1]", k, theta[k]);
     }

@@ -23,7 +23,8 @@ ActiveSet make_active_set(const Box& box, const std::vector<char>& mask) {
         set.cells.push_back(c);
         const auto ijk = box.cell_ijk(c);
         for (int k = 0; k < 8; ++k)
-            set.node_to_active[static_cast<std::size_t>(box.node(ijk[0] + (k >> 2), ijk[1] + (k >> 1 & 1), ijk[2] + (k & 1)))] = 0;
+            set.node_to_active[static_cast<std::size_t>(
+                box.node(ijk[0] + (k >> 2), ijk[1] + (k >> 1 & 1), ijk[2] + (k & 1)))] = 0;
     }
     for (int i = 0; i <= box.cells[0]; ++i)
         for (int j = 0; j <= box.cells[1]; ++j)
@@ -65,13 +66,15 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
                 3 * set.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(k)];
     }
     for (int e = 0; e < n_elements_; ++e)
-        for (int k = 0; k < 8; ++k) ++start_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3) + 1];
+        for (int k = 0; k < 8; ++k)
+            ++start_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3) + 1];
     for (int n = 0; n < n_nodes_; ++n) start_[static_cast<std::size_t>(n) + 1] += start_[static_cast<std::size_t>(n)];
     slot_.resize(static_cast<std::size_t>(n_elements_) * 8);
     std::vector<int> fill(start_.begin(), start_.end() - 1);
     for (int e = 0; e < n_elements_; ++e)
         for (int k = 0; k < 8; ++k) {
-            const std::size_t node = static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
+            const std::size_t node =
+                static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
             slot_[static_cast<std::size_t>(fill[node]++)] = ((e / 8) * 8 + k) * 24 + e % 8;
         }
 }

@@ -5,18 +5,18 @@
 #include <array>
 #include <vector>
 
-#include "grid/parallel.hpp"
 #include "grid/box.hpp"
+#include "grid/parallel.hpp"
 
 namespace dqa {
 
 struct ActiveSet {
     Box box;
-    std::vector<int> cells;                     // box index of each active cell, ascending
-    std::vector<int> cell_to_active;            // box index -> active index or -1
-    std::vector<int> node_to_active;            // box node -> active node or -1
-    std::vector<std::array<int, 3>> node_ijk;   // grid coordinates of each active node
-    std::vector<std::array<int, 8>> cell_nodes; // active nodes of each cell; corner 4 ix + 2 iy + iz
+    std::vector<int> cells;                      // box index of each active cell, ascending
+    std::vector<int> cell_to_active;             // box index -> active index or -1
+    std::vector<int> node_to_active;             // box node -> active node or -1
+    std::vector<std::array<int, 3>> node_ijk;    // grid coordinates of each active node
+    std::vector<std::array<int, 8>> cell_nodes;  // active nodes of each cell; corner 4 ix + 2 iy + iz
 
     int n_cells() const { return static_cast<int>(cells.size()); }
     int n_nodes() const { return static_cast<int>(node_ijk.size()); }

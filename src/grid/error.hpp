@@ -9,18 +9,18 @@
 namespace dqa {
 
 // X(name, value, text)
-#define DQA_STATUS_LIST(X)                                                                                             \
-    X(SUCCESS, 0, "success")                                                                                           \
-    X(ERROR_ARGUMENT, -1, "an argument is out of its range")                                                           \
-    X(ERROR_STATE, -2, "the call does not fit the state of the object")                                                \
-    X(ERROR_FILE, -3, "a file's content is not what was expected")                                                     \
-    X(ERROR_IO, -4, "a file could not be opened, read or written")                                                     \
-    X(ERROR_MESH, -5, "a mesh is open, inconsistently oriented, empty or not finite")                                  \
-    X(ERROR_MEMORY, -6, "out of memory")                                                                               \
-    X(ERROR_UNSUPPORTED, -7, "this build or version of the library cannot do it")                                      \
-    X(NOT_CONVERGED, -8, "an iteration stopped above its tolerance")                                                   \
-    X(DIVERGED, -9, "a state became non-finite")                                                                       \
-    X(CANCELLED, -10, "cancelled by a callback or a cancel token")                                                     \
+#define DQA_STATUS_LIST(X)                                                            \
+    X(SUCCESS, 0, "success")                                                          \
+    X(ERROR_ARGUMENT, -1, "an argument is out of its range")                          \
+    X(ERROR_STATE, -2, "the call does not fit the state of the object")               \
+    X(ERROR_FILE, -3, "a file's content is not what was expected")                    \
+    X(ERROR_IO, -4, "a file could not be opened, read or written")                    \
+    X(ERROR_MESH, -5, "a mesh is open, inconsistently oriented, empty or not finite") \
+    X(ERROR_MEMORY, -6, "out of memory")                                              \
+    X(ERROR_UNSUPPORTED, -7, "this build or version of the library cannot do it")     \
+    X(NOT_CONVERGED, -8, "an iteration stopped above its tolerance")                  \
+    X(DIVERGED, -9, "a state became non-finite")                                      \
+    X(CANCELLED, -10, "cancelled by a callback or a cancel token")                    \
     X(ERROR_INTERNAL, -11, "internal error: a defect of the library")
 
 enum class Status : std::int32_t {

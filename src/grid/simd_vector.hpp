@@ -25,9 +25,15 @@ typedef double V __attribute__((vector_size(kLanes * sizeof(double)), aligned(kL
 typedef double Vu __attribute__((vector_size(kLanes * sizeof(double)), aligned(sizeof(double)), may_alias));
 typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
 
-[[maybe_unused]] inline V load(const double* p) { return *reinterpret_cast<const Vu*>(p); }
-[[maybe_unused]] inline void store(double* p, V v) { *reinterpret_cast<Vu*>(p) = v; }
-[[maybe_unused]] inline V broadcast(double x) { return V{} + x; }
+[[maybe_unused]] inline V load(const double* p) {
+    return *reinterpret_cast<const Vu*>(p);
+}
+[[maybe_unused]] inline void store(double* p, V v) {
+    *reinterpret_cast<Vu*>(p) = v;
+}
+[[maybe_unused]] inline V broadcast(double x) {
+    return V{} + x;
+}
 [[maybe_unused]] inline V gather(const double* p, const int* index) {
     V v;
     for (int l = 0; l < kLanes; ++l) v[l] = p[index[l]];
@@ -45,7 +51,9 @@ typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
     return v;
 #endif
 }
-[[maybe_unused]] inline V select(Mask m, V a, V b) { return m ? a : b; }
+[[maybe_unused]] inline V select(Mask m, V a, V b) {
+    return m ? a : b;
+}
 [[maybe_unused]] inline double sum_lanes(V v) {
     double s = v[0];
     for (int l = 1; l < kLanes; ++l) s += v[l];

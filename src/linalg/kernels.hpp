@@ -14,9 +14,9 @@ constexpr int kFactorLanes = 16;  // rows of a packed chunk
 // One supernode: columns [first, first + columns), rows_below rows listed elsewhere.
 struct PackedSupernode {
     int first = 0, columns = 0, rows_below = 0;
-    int row_offset = 0;          // into the row list
-    std::int64_t forward = 0;    // offset of B  = [L11^-1; L21 L11^-1], chunks of 16 rows x columns
-    std::int64_t backward = 0;   // offset of Bt = chunks of 16 columns x all rows
+    int row_offset = 0;         // into the row list
+    std::int64_t forward = 0;   // offset of B  = [L11^-1; L21 L11^-1], chunks of 16 rows x columns
+    std::int64_t backward = 0;  // offset of Bt = chunks of 16 columns x all rows
 };
 
 struct FactorKernels {

@@ -30,7 +30,8 @@ void solve(const PackedSupernode* supernodes, int count, const int* rows, const 
         const int* below = rows + node.row_offset;
         for (int r = 0; r < total; r += 16) {
             F16 y0, y1, y2;
-            chunk_product(values + node.forward + static_cast<long>(r) * node.columns, scratch, node.columns, y0, y1, y2);
+            chunk_product(values + node.forward + static_cast<long>(r) * node.columns, scratch, node.columns, y0, y1,
+                          y2);
             const int end = total - r < 16 ? total - r : 16;
             for (int l = 0; l < end; ++l) {
                 const int row = r + l;
@@ -50,8 +51,7 @@ void solve(const PackedSupernode* supernodes, int count, const int* rows, const 
         for (int k = 0; k < 4 * node.columns; ++k) scratch[k] = own[k];
         const int* below = rows + node.row_offset;
         for (int r = 0; r < node.rows_below; ++r)
-            for (int k = 0; k < 4; ++k)
-                scratch[4 * (node.columns + r) + k] = -x[4 * static_cast<long>(below[r]) + k];
+            for (int k = 0; k < 4; ++k) scratch[4 * (node.columns + r) + k] = -x[4 * static_cast<long>(below[r]) + k];
         for (int c = 0; c < node.columns; c += 16) {
             F16 y0, y1, y2;
             chunk_product(values + node.backward + static_cast<long>(c) * total, scratch, total, y0, y1, y2);

@@ -27,16 +27,20 @@ PackedFactor::PackedFactor(const CholeskyFactor& factor, InstructionSet instruct
         b.bottomRows(p.rows_below) = l.bottomRows(p.rows_below);
         l.topRows(s.columns).triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(b);
         p.forward = static_cast<std::int64_t>(values_.size());
-        values_.resize(values_.size() + static_cast<std::size_t>(padded(total)) * static_cast<std::size_t>(s.columns), 0.0f);
+        values_.resize(values_.size() + static_cast<std::size_t>(padded(total)) * static_cast<std::size_t>(s.columns),
+                       0.0f);
         for (int j = 0; j < s.columns; ++j)
             for (int i = 0; i < total; ++i)
-                values_[static_cast<std::size_t>(p.forward) + static_cast<std::size_t>((i / lanes) * lanes * s.columns + j * lanes + i % lanes)] =
+                values_[static_cast<std::size_t>(p.forward) +
+                        static_cast<std::size_t>((i / lanes) * lanes * s.columns + j * lanes + i % lanes)] =
                     static_cast<float>(b(i, j));
         p.backward = static_cast<std::int64_t>(values_.size());
-        values_.resize(values_.size() + static_cast<std::size_t>(padded(s.columns)) * static_cast<std::size_t>(total), 0.0f);
+        values_.resize(values_.size() + static_cast<std::size_t>(padded(s.columns)) * static_cast<std::size_t>(total),
+                       0.0f);
         for (int j = 0; j < s.columns; ++j)
             for (int i = 0; i < total; ++i)
-                values_[static_cast<std::size_t>(p.backward) + static_cast<std::size_t>((j / lanes) * lanes * total + i * lanes + j % lanes)] =
+                values_[static_cast<std::size_t>(p.backward) +
+                        static_cast<std::size_t>((j / lanes) * lanes * total + i * lanes + j % lanes)] =
                     static_cast<float>(b(i, j));
         supernodes_.push_back(p);
     }

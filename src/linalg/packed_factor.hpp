@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A Cholesky factor packed for a fast approximate solve with three right-hand sides: single precision, per supernode the
-// matrix B = [L11^-1; L21 L11^-1] in chunks of 16 rows, so that both sweeps are streams of fused multiply-adds without
-// a dependent division: forward (z1, x2) <- (L11^-1 b1, b2 - L21 L11^-1 b1), backward x1 <- B^T (z1, -x2).
+// A Cholesky factor packed for a fast approximate solve with three right-hand sides: single precision, per supernode
+// the matrix B = [L11^-1; L21 L11^-1] in chunks of 16 rows, so that both sweeps are streams of fused multiply-adds
+// without a dependent division: forward (z1, x2) <- (L11^-1 b1, b2 - L21 L11^-1 b1), backward x1 <- B^T (z1, -x2).
 #pragma once
 
 #include <memory>

@@ -14,7 +14,7 @@ struct PcgWorkspace {
 
 struct PcgResult {
     int iterations = 0;
-    double relative_residual = 0.0;   // |b - A x| / |b|
+    double relative_residual = 0.0;  // |b - A x| / |b|
     bool converged = false;
     bool negative_curvature = false;  // x is then the iterate before it
 };

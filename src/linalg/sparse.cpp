@@ -90,7 +90,8 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
     if (c.status != CHOLMOD_OK || l->minor < l->n || !l->is_super) {
         const int status = c.status;
         cholmod_free_factor(&l, &c);
-        fail(Status::ERROR_INTERNAL, "the preconditioner's matrix is not positive definite (CHOLMOD status %d)", status);
+        fail(Status::ERROR_INTERNAL, "the preconditioner's matrix is not positive definite (CHOLMOD status %d)",
+             status);
     }
     CholeskyFactor out;
     out.n = matrix.n;
@@ -150,7 +151,8 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
     EigenSparse permuted(n, n);
     permuted.selfadjointView<Eigen::Lower>() = lower.selfadjointView<Eigen::Lower>().twistedBy(p);
     const Eigen::SimplicialLLT<EigenSparse, Eigen::Lower, Eigen::NaturalOrdering<int>> llt(permuted);
-    if (llt.info() != Eigen::Success) fail(Status::ERROR_INTERNAL, "the preconditioner's matrix is not positive definite");
+    if (llt.info() != Eigen::Success)
+        fail(Status::ERROR_INTERNAL, "the preconditioner's matrix is not positive definite");
     const EigenSparse l = llt.matrixL();
     CholeskyFactor out;
     out.n = n;
@@ -160,7 +162,8 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
     for (int j = 0; j < n;) {
         int end = j + 1;
         // Column end joins if its pattern is that of column end - 1 without its diagonal.
-        while (end < n && start[end + 1] - start[end] == start[end] - start[end - 1] - 1 && row[start[end - 1] + 1] == end &&
+        while (end < n && start[end + 1] - start[end] == start[end] - start[end - 1] - 1 &&
+               row[start[end - 1] + 1] == end &&
                std::equal(row + start[end], row + start[end + 1], row + start[end - 1] + 1))
             ++end;
         Supernode node;
@@ -170,7 +173,8 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
         node.values.assign(node.rows.size() * static_cast<std::size_t>(node.columns), 0.0);
         for (int k = j; k < end; ++k)
             for (int i = start[k]; i < start[k + 1]; ++i)
-                node.values[static_cast<std::size_t>(k - j) * node.rows.size() + static_cast<std::size_t>(k - j + i - start[k])] = value[i];
+                node.values[static_cast<std::size_t>(k - j) * node.rows.size() +
+                            static_cast<std::size_t>(k - j + i - start[k])] = value[i];
         out.entries += start[end] - start[j];
         out.supernodes.push_back(std::move(node));
         j = end;
@@ -195,7 +199,8 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
     const int n = matrix.n;
     std::vector<int> start(static_cast<std::size_t>(n) + 1, 0);
     for (int j = 0; j < n; ++j)
-        for (int k = matrix.start[static_cast<std::size_t>(j)]; k < matrix.start[static_cast<std::size_t>(j) + 1]; ++k) {
+        for (int k = matrix.start[static_cast<std::size_t>(j)]; k < matrix.start[static_cast<std::size_t>(j) + 1];
+             ++k) {
             const int i = matrix.row[static_cast<std::size_t>(k)];
             ++start[static_cast<std::size_t>(j) + 1];
             if (i != j) ++start[static_cast<std::size_t>(i) + 1];
@@ -205,7 +210,8 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
     std::vector<double> value(row.size());
     // Columns in order: upper entries (i < j) of column j come from lower columns i, already written ascending.
     for (int j = 0; j < n; ++j)
-        for (int k = matrix.start[static_cast<std::size_t>(j)]; k < matrix.start[static_cast<std::size_t>(j) + 1]; ++k) {
+        for (int k = matrix.start[static_cast<std::size_t>(j)]; k < matrix.start[static_cast<std::size_t>(j) + 1];
+             ++k) {
             const int i = matrix.row[static_cast<std::size_t>(k)];
             std::size_t at = static_cast<std::size_t>(fill[static_cast<std::size_t>(j)]++);
             row[at] = i, value[at] = matrix.value[static_cast<std::size_t>(k)];

@@ -30,8 +30,8 @@ double cube_laplacian(int a, int b, int axis) {
 
 }  // namespace
 
-Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double>& weights,
-               const SceneSettings& scene, const std::function<void(int, double)>& monitor)
+Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double>& weights, const SceneSettings& scene,
+               const std::function<void(int, double)>& monitor)
     : space_(std::move(space)), scene_(scene), occupancy_law_(scene.threshold, scene.occupancy_floor) {
     const auto start = std::chrono::steady_clock::now();
     point_ = space_->evaluate(weights, scene.shape_tolerance, scene.threads, monitor);
@@ -40,16 +40,19 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
     std::vector<char> mask(point_.p_hat.size());
     for (std::size_t c = 0; c < mask.size(); ++c) mask[c] = occupancy_law_.active(point_.p_hat[c]);
     set_ = make_active_set(box, mask);
-    if (set_.n_cells() == 0) fail(Status::ERROR_ARGUMENT, "threshold is %g: no cell is left to simulate", scene.threshold);
+    if (set_.n_cells() == 0)
+        fail(Status::ERROR_ARGUMENT, "threshold is %g: no cell is left to simulate", scene.threshold);
     rest_ = set_.rest_positions();
     const double node_mass = scene.density * box.dx * box.dx * box.dx / 8.0;
     std::vector<double> mu;
     mass_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
     for (int a = 0; a < set_.n_cells(); ++a) {
-        const double g = occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(set_.cells[static_cast<std::size_t>(a)])]);
+        const double g =
+            occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(set_.cells[static_cast<std::size_t>(a)])]);
         occupancy_.push_back(g);
         mu.push_back(scene.shear_modulus() * g);
-        for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)]) mass_[static_cast<std::size_t>(n)] += node_mass * g;
+        for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)])
+            mass_[static_cast<std::size_t>(n)] += node_mass * g;
     }
     make_muscles();
     body_ = std::make_unique<Body>(set_, mu, muscles_, scene.contraction, scene.instructions);
@@ -83,7 +86,8 @@ void Design::make_muscles() {
                 m.signal = static_cast<int>(k);
                 m.sign = sign;
                 m.direction = {1.0, 0.0, 0.0};
-                m.weight = scene_.muscle_stiffness * occupancy_[static_cast<std::size_t>(a)] * member * side * actuator.strength;
+                m.weight = scene_.muscle_stiffness * occupancy_[static_cast<std::size_t>(a)] * member * side *
+                           actuator.strength;
                 muscles_.push_back(m);
                 origins_.push_back({a, static_cast<int>(k), side, member});
             }
@@ -140,7 +144,8 @@ void Design::make_factor() {
                     continue;
                 }
                 auto& entries = columns[static_cast<std::size_t>(column)];
-                const auto at = std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == row; });
+                const auto at =
+                    std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == row; });
                 if (at == entries.end())
                     entries.emplace_back(row, value);
                 else
@@ -162,7 +167,9 @@ void Design::make_factor() {
     factor_ = std::make_unique<PackedFactor>(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.instructions);
 }
 
-const Isosurface& Design::surface() const { return surface_; }
+const Isosurface& Design::surface() const {
+    return surface_;
+}
 
 std::vector<Vec3> Design::carry_surface(const double* q) const {
     std::vector<Vec3> out;
@@ -220,7 +227,8 @@ std::vector<double> Design::weights_bar(const DesignBar& bar, const std::functio
             const double strength = point_.actuators[k].strength;
             occupancy_bar[a] += scale * o.membership * strength;
             actuators_bar[k].strength += scale * o.membership * occupancy_[a];
-            region.membership_pullback(box.cell_centre(set_.cells[a]), scale * occupancy_[a] * strength, actuators_bar[k]);
+            region.membership_pullback(box.cell_centre(set_.cells[a]), scale * occupancy_[a] * strength,
+                                       actuators_bar[k]);
         }
     }
     std::vector<double> p_hat_bar(point_.p_hat.size(), 0.0);

@@ -39,16 +39,16 @@ public:
     const ActiveSet& set() const { return set_; }
     int n_nodes() const { return set_.n_nodes(); }
     int n_signals() const { return static_cast<int>(space_->categories().size()); }
-    const std::vector<double>& rest() const { return rest_; }              // [n_nodes][3] m
-    const std::vector<double>& occupancy() const { return occupancy_; }    // [n_cells]
-    const std::vector<double>& mass() const { return mass_; }              // [n_nodes] kg
-    const std::vector<double>& spine() const { return spine_; }            // [n_nodes], sums to 1 only after division
+    const std::vector<double>& rest() const { return rest_; }            // [n_nodes][3] m
+    const std::vector<double>& occupancy() const { return occupancy_; }  // [n_cells]
+    const std::vector<double>& mass() const { return mass_; }            // [n_nodes] kg
+    const std::vector<double>& spine() const { return spine_; }          // [n_nodes], sums to 1 only after division
     const Body& body() const { return *body_; }
-    const Water* water() const { return water_.get(); }                    // null without water
+    const Water* water() const { return water_.get(); }  // null without water
     const PackedFactor& factor() const { return *factor_; }
     const std::vector<double>& stiffness_diagonal() const { return diagonal_; }  // of the factorised matrix, [n_nodes]
     const Sensors& sensors() const { return sensors_; }
-    const Isosurface& surface() const;   // of p_hat = 1/2, at rest
+    const Isosurface& surface() const;  // of p_hat = 1/2, at rest
     // Vertices of the surface carried by nodal positions q.
     std::vector<Vec3> carry_surface(const double* q) const;
     double barycenter_seconds() const { return barycenter_seconds_; }

@@ -20,17 +20,17 @@ struct SceneSettings {
     int max_newton = 50;
     int max_linear = 2000;
     InstructionSet instructions = InstructionSet::automatic;
-    double time_step = 1.0 / 30.0;    // s
-    double young_modulus = 5e6;       // Pa
+    double time_step = 1.0 / 30.0;  // s
+    double young_modulus = 5e6;     // Pa
     double poisson_ratio = 0.45;
-    double density = 1000.0;          // kg/m^3
-    double muscle_stiffness = 2e6;    // Pa
+    double density = 1000.0;        // kg/m^3
+    double muscle_stiffness = 2e6;  // Pa
     double contraction = 0.2;
-    double threshold = 0.02;          // tau
+    double threshold = 0.02;  // tau
     double occupancy_floor = 1e-10;
     double tolerance = 1e-6;
     double adjoint_tolerance = 1e-8;
-    double shape_tolerance = 0.0;     // marginal error of the barycentre; 0: the space's own
+    double shape_tolerance = 0.0;  // marginal error of the barycentre; 0: the space's own
     WaterSettings hydrodynamics;
     std::shared_ptr<std::atomic<int>> cancel;  // may be null; non-zero asks to stop
 

@@ -84,7 +84,9 @@ Sensors::Sensors(const ActiveSet& set, const std::vector<double>& p_hat, double 
     const int nx = box.cells[0];
     std::vector<double> profile(static_cast<std::size_t>(nx), 0.0);
     for (int i = 0; i < nx; ++i)
-        for_each_cell(box, line, i, [&](int cell, double w) { profile[static_cast<std::size_t>(i)] += w * p_hat[static_cast<std::size_t>(cell)]; });
+        for_each_cell(box, line, i, [&](int cell, double w) {
+            profile[static_cast<std::size_t>(i)] += w * p_hat[static_cast<std::size_t>(cell)];
+        });
     const double top = *std::max_element(profile.begin(), profile.end());
     if (!(top > 0)) fail(Status::ERROR_ARGUMENT, "sensors: the sensor line misses the body");
     // Normally half of the peak; where the line runs through thin parts only, two thirds of its own maximum, so that a
@@ -128,7 +130,8 @@ Vec3 Sensors::read(int which, const double* field) const {
 void Sensors::read_pullback(int which, const Vec3& bar, double* field_bar) const {
     const MaterialPoint& p = point(which);
     for (std::size_t n = 0; n < 8; ++n)
-        for (std::size_t k = 0; k < 3; ++k) field_bar[3 * static_cast<std::size_t>(p.node[n]) + k] += p.weight[n] * bar[k];
+        for (std::size_t k = 0; k < 3; ++k)
+            field_bar[3 * static_cast<std::size_t>(p.node[n]) + k] += p.weight[n] * bar[k];
 }
 
 Vec3 Sensors::direction(const double* q) const {

@@ -12,7 +12,7 @@ namespace dqa {
 
 // A material point and its trilinear weights.
 struct MaterialPoint {
-    std::array<int, 8> node{};           // active nodes
+    std::array<int, 8> node{};  // active nodes
     std::array<double, 8> weight{};
     std::array<double, 8> weight_by_x{};  // d(weight)/d(rest x), 1/m
     Vec3 rest{};

@@ -12,13 +12,16 @@ namespace {
 
 constexpr double kNoise = 200.0;  // residuals below this multiple of the rounding level may stagnate
 
-double norm(const double* a, std::size_t n) { return std::sqrt(ordered_dot(a, a, n)); }
+double norm(const double* a, std::size_t n) {
+    return std::sqrt(ordered_dot(a, a, n));
+}
 
 }  // namespace
 
 Stepper::Stepper(std::shared_ptr<const Design> design)
     : design_(std::move(design)), scene_(design_->scene()), size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
-    for (auto* v : {&y_, &q_old_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_}) v->assign(size_, 0.0);
+    for (auto* v : {&y_, &q_old_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
+        v->assign(size_, 0.0);
 }
 
 void Stepper::begin(const double* q, const double* v) {
@@ -31,8 +34,7 @@ void Stepper::begin(const double* q, const double* v) {
         noise2 += force * force;
     }
     noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
-    if (const Water* water = design_->water())
-        water->lag(water_, q, v, design_->sensors().direction(q), threads_);
+    if (const Water* water = design_->water()) water->lag(water_, q, v, design_->sensors().direction(q), threads_);
 }
 
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
@@ -95,7 +97,9 @@ SymmetricMatrix Stepper::assemble() {
                     if (other < 0) continue;
                     for (int a = 0; a < 3; ++a) {
                         const int row = 3 * other + a;
-                        if (row >= column) columns[static_cast<std::size_t>(column)].emplace_back(row, out[static_cast<std::size_t>(row)]);
+                        if (row >= column)
+                            columns[static_cast<std::size_t>(column)].emplace_back(row,
+                                                                                   out[static_cast<std::size_t>(row)]);
                     }
                 }
             }
@@ -145,7 +149,8 @@ int Stepper::worst_cell() const {
 }
 
 void Stepper::fail_step(Status status, long step, const char* why, double relative) const {
-    fail(status, "step %ld: %s; relative force residual %.3g (expected <= %.3g), worst at cell %d; a smaller time_step helps",
+    fail(status,
+         "step %ld: %s; relative force residual %.3g (expected <= %.3g), worst at cell %d; a smaller time_step helps",
          step, why, relative, scene_.tolerance, worst_cell());
 }
 
@@ -273,8 +278,9 @@ AdjointReport Stepper::pull_back(const double* q, const double* v, const double*
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
         if (!(report.residual <= std::max(1e-9, scene_.adjoint_tolerance)))
-            fail(Status::NOT_CONVERGED, "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there",
-                 step, report.residual, scene_.adjoint_tolerance);
+            fail(Status::NOT_CONVERGED,
+                 "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,
+                 report.residual, scene_.adjoint_tolerance);
     }
     // r = M (q+ - q - h v) / h^2 + ...: every cotangent is -(dr/d.)^T lambda.
     const double h = scene_.time_step, inv_h2 = 1.0 / (h * h);
@@ -285,8 +291,8 @@ AdjointReport Stepper::pull_back(const double* q, const double* v, const double*
         bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_h2;
         lambda_[i] = -lambda_[i];
     }
-    design_->body().parameter_pullback(body_, q_new, lambda_.data(), threads_, bar.mu.data(),
-                                       bar.muscle_weight.data(), signal_bar);
+    design_->body().parameter_pullback(body_, q_new, lambda_.data(), threads_, bar.mu.data(), bar.muscle_weight.data(),
+                                       signal_bar);
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
         water->pullback(water_, q_new, q_old_.data(), lambda_.data(), h, q_bar, v_bar, spine_bar, bar.occupancy.data());

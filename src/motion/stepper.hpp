@@ -2,9 +2,9 @@
 // One implicit Euler step and its adjoint.
 //
 // Step: q+ minimises  |q+ - y|_M^2 / (2 h^2) + E_body(q+, a) + D_water(q+; q, v),  y = q + h v;  v+ = (q+ - q) / h.
-// Newton's method with conjugate gradients preconditioned by the projective-dynamics factor; the exact Hessian, filtered
-// only where it shows negative curvature. Stops at |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia| +
-// |f_water|), norms over nodes: independent of the origin and of rigid motion.
+// Newton's method with conjugate gradients preconditioned by the projective-dynamics factor; the exact Hessian,
+// filtered only where it shows negative curvature. Stops at |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
+// + |f_water|), norms over nodes: independent of the origin and of rigid motion.
 //
 // Adjoint: H(q+) lambda = q+_bar + v+_bar / h, then the cotangents of everything the residual depends on.
 #pragma once
@@ -22,9 +22,9 @@ namespace dqa {
 struct StepReport {
     int newton_iterations = 0;
     int linear_iterations = 0;
-    int inverted = 0;          // Gauss points with det F <= 0 at the solution
-    int filtered = 0;          // Newton iterations that needed the filtered Hessian
-    double residual = 0.0;     // relative
+    int inverted = 0;       // Gauss points with det F <= 0 at the solution
+    int filtered = 0;       // Newton iterations that needed the filtered Hessian
+    double residual = 0.0;  // relative
 };
 
 struct AdjointReport {
@@ -68,7 +68,7 @@ private:
 
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
-    std::size_t size_;  // 3 n_nodes
+    std::size_t size_;    // 3 n_nodes
     Threads threads_{1};  // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;

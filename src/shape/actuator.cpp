@@ -98,7 +98,8 @@ double ActuatorRegion::membership(const Vec3& x) const {
     for (int k = 0; k < 3; ++k) {
         const std::size_t a = static_cast<std::size_t>(k);
         double xi = 0.0;
-        for (int j = 0; j < 3; ++j) xi += rotation_[3 * k + j] * (x[static_cast<std::size_t>(j)] - mean_[static_cast<std::size_t>(j)]);
+        for (int j = 0; j < 3; ++j)
+            xi += rotation_[3 * k + j] * (x[static_cast<std::size_t>(j)] - mean_[static_cast<std::size_t>(j)]);
         value *= smooth_step((half_[a] - xi) / ramp_ + 0.5) * smooth_step((half_[a] + xi) / ramp_ + 0.5);
     }
     return value;
@@ -109,7 +110,8 @@ void ActuatorRegion::membership_pullback(const Vec3& x, double membership_bar, A
     for (int k = 0; k < 3; ++k) {
         const std::size_t a = static_cast<std::size_t>(k);
         xi[k] = 0.0;
-        for (int j = 0; j < 3; ++j) xi[k] += rotation_[3 * k + j] * (x[static_cast<std::size_t>(j)] - mean_[static_cast<std::size_t>(j)]);
+        for (int j = 0; j < 3; ++j)
+            xi[k] += rotation_[3 * k + j] * (x[static_cast<std::size_t>(j)] - mean_[static_cast<std::size_t>(j)]);
         const double up = (half_[a] - xi[k]) / ramp_ + 0.5, down = (half_[a] + xi[k]) / ramp_ + 0.5;
         const double su = smooth_step(up), sd = smooth_step(down);
         const double du = smooth_step_derivative(up) / ramp_, dd = smooth_step_derivative(down) / ramp_;
@@ -135,7 +137,8 @@ Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
     std::vector<double> area(static_cast<std::size_t>(nx), 0.0);
     double largest = 0.0;
     for (int i = 0; i < nx; ++i) {
-        for (int jk = 0; jk < ny * nz; ++jk) area[static_cast<std::size_t>(i)] += fractions[static_cast<std::size_t>(i * ny * nz + jk)];
+        for (int jk = 0; jk < ny * nz; ++jk)
+            area[static_cast<std::size_t>(i)] += fractions[static_cast<std::size_t>(i * ny * nz + jk)];
         largest = std::max(largest, area[static_cast<std::size_t>(i)]);
     }
     int tail = 0, head = nx - 1;
@@ -156,7 +159,8 @@ Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
                 const Vec3 x = box.cell_centre(c);
                 mass += f, mean_z += f * x[2], mean_zz += f * x[2] * x[2], mean_yy += f * x[1] * x[1];
             }
-    if (!(mass > 0)) fail(Status::ERROR_ARGUMENT, "base shape: no body found between peduncle and middle to carry a muscle");
+    if (!(mass > 0))
+        fail(Status::ERROR_ARGUMENT, "base shape: no body found between peduncle and middle to carry a muscle");
     mean_z /= mass, mean_zz /= mass, mean_yy /= mass;
     // A uniform section of half-width H has variance H^2/4 (ellipse): twice the deviation spans it. At least one cell.
     const double half_y = std::max(box.dx, 2.0 * std::sqrt(mean_yy));

@@ -30,8 +30,7 @@ double peak_of(const std::vector<double>& p, Peak kind) {
     return top * upper / lower;
 }
 
-std::vector<double> normalise_pullback(const std::vector<double>& p, double peak, Peak kind,
-                                       const double* p_hat_bar) {
+std::vector<double> normalise_pullback(const std::vector<double>& p, double peak, Peak kind, const double* p_hat_bar) {
     const std::size_t n = p.size();
     std::vector<double> bar(n);
     double peak_bar = 0.0;

@@ -18,8 +18,7 @@ enum class Peak : int { smooth = 0, paper = 1 };
 
 double peak_of(const std::vector<double>& p, Peak kind);
 // p_bar of p_hat = p / peak(p), from p_hat_bar.
-std::vector<double> normalise_pullback(const std::vector<double>& p, double peak, Peak kind,
-                                       const double* p_hat_bar);
+std::vector<double> normalise_pullback(const std::vector<double>& p, double peak, Peak kind, const double* p_hat_bar);
 
 double gain(double t);
 double gain_derivative(double t);
@@ -28,7 +27,7 @@ class Occupancy {
 public:
     Occupancy(double threshold, double floor);
     bool active(double p_hat) const { return threshold_ <= 0.0 || p_hat > threshold_; }
-    double value(double p_hat) const;       // of an active cell
+    double value(double p_hat) const;  // of an active cell
     double derivative(double p_hat) const;
 
 private:

@@ -28,8 +28,7 @@ double line_value(const Box& box, const double* cells, int i, double y, double z
 
 }  // namespace
 
-ShapeSpace::ShapeSpace(const ShapeSettings& settings)
-    : settings_(settings), kernel_(settings.cells, settings.sigma) {
+ShapeSpace::ShapeSpace(const ShapeSettings& settings) : settings_(settings), kernel_(settings.cells, settings.sigma) {
     box_.cells = settings.cells;
     box_.dx = settings.cell_size;
 }
@@ -47,8 +46,8 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     orient_up(cleaned, settings_.up);
     BaseShape base;
     base.name = name;
-    base.fractions = covered_fractions(cleaned, box_, {settings_.margin, settings_.margin_across}, settings_.subsamples, settings_.threads,
-                                       &base.length_in_cells);
+    base.fractions = covered_fractions(cleaned, box_, {settings_.margin, settings_.margin_across}, settings_.subsamples,
+                                       settings_.threads, &base.length_in_cells);
     bases_.push_back(std::move(base));
     return static_cast<int>(bases_.size()) - 1;
 }
@@ -154,7 +153,8 @@ void ShapeSpace::choose_axis() {
     for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
             const double y = 0.5 * a * box_.dx, z = 0.5 * b * box_.dx;
-            if (std::fabs(y) > 0.25 * box_.cells[1] * box_.dx || std::fabs(z) > 0.25 * box_.cells[2] * box_.dx) continue;
+            if (std::fabs(y) > 0.25 * box_.cells[1] * box_.dx || std::fabs(z) > 0.25 * box_.cells[2] * box_.dx)
+                continue;
             const double cover = std::min(0.75, worst_cover(y, z)), distance = y * y + z * z;
             if (cover > best + 1e-12 || (cover > best - 1e-12 && distance < best_distance))
                 best = cover, best_distance = distance, axis_y_ = y, axis_z_ = z;
@@ -202,15 +202,14 @@ ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double toler
 }
 
 std::vector<double> ShapeSpace::pullback(const ShapePoint& point, const double* p_hat_bar,
-                                         const std::vector<ActuatorPoint>& actuators_bar, double tolerance,
-                                         int threads, const std::function<void(int, double)>& monitor) const {
+                                         const std::vector<ActuatorPoint>& actuators_bar, double tolerance, int threads,
+                                         const std::function<void(int, double)>& monitor) const {
     BarycenterSettings s;
     s.tolerance = tolerance > 0 ? tolerance : settings_.tolerance;
     s.max_iterations = settings_.max_iterations;
     s.threads = threads > 0 ? threads : settings_.threads;
     s.monitor = monitor;
-    const std::vector<double> p_bar =
-        normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
+    const std::vector<double> p_bar = normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
     std::vector<double> bar = barycenter_pullback(kernel_, densities_, point.barycenter, p_bar.data(), s);
     for (std::size_t k = 0; k < actuators_bar.size(); ++k)
         interpolate_actuator_pullback(actuators_of(categories_[k]), point.actuators[k], actuators_bar[k], bar);

@@ -2,14 +2,15 @@
 // A built shape space as a file: magic, version, settings, bases with actuators, checksum. Little-endian doubles, so
 // that a space read back is the same to the last bit. Written to a temporary file beside the target and renamed, so
 // that a full disk or a kill leaves the old file whole.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
 #include <limits>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "grid/error.hpp"
 #include "shape/shape_space.hpp"
@@ -115,8 +116,8 @@ void ShapeSpace::save(const std::string& path) const {
     w.bytes.append(kMagic, sizeof kMagic);
     w.put(kVersion);
     for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
-    for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples, static_cast<int>(settings_.peak),
-                        settings_.max_iterations})
+    for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
+                        static_cast<int>(settings_.peak), settings_.max_iterations})
         w.put(static_cast<std::int32_t>(v));
     for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
         w.put(v);
@@ -139,7 +140,8 @@ void ShapeSpace::save(const std::string& path) const {
 std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     const std::string bytes = read_whole(path);
     if (bytes.size() < sizeof kMagic + 12 || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
-        fail(Status::ERROR_FILE, "'%s' is not a saved shape space (%zu bytes, wrong beginning)", path.c_str(), bytes.size());
+        fail(Status::ERROR_FILE, "'%s' is not a saved shape space (%zu bytes, wrong beginning)", path.c_str(),
+             bytes.size());
     Reader r{bytes, path, sizeof kMagic};
     const std::uint32_t version = r.get<std::uint32_t>();
     if (version != kVersion)
@@ -151,7 +153,8 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
         fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
     ShapeSettings s;
     for (int& n : s.cells) n = r.integer("a number of cells", 1, 512);
-    s.margin = r.integer("margin", 0, 256), s.margin_across = r.integer("margin_across", 0, 256), s.up = r.integer("up", UP_AUTO, UP_Y);
+    s.margin = r.integer("margin", 0, 256), s.margin_across = r.integer("margin_across", 0, 256),
+    s.up = r.integer("up", UP_AUTO, UP_Y);
     s.subsamples = r.integer("subsamples", 1, 1024);
     s.peak = static_cast<Peak>(r.integer("peak", 0, static_cast<int>(Peak::paper)));
     s.max_iterations = r.integer("max_iterations", 1, std::numeric_limits<int>::max());

@@ -124,9 +124,9 @@ private:
         };
         vertices_.reserve(mesh_.vertices.size());
         for (const Vec3& v : mesh_.vertices)
-            vertices_.push_back(
-                {std::clamp((v[0] - centre[0]) * scale + 0.5 * n_[0], double(margin.along), double(n_[0] - margin.along)),
-                 lattice((v[1] - centre[1]) * scale, 1), lattice((v[2] - centre[2]) * scale, 2)});
+            vertices_.push_back({std::clamp((v[0] - centre[0]) * scale + 0.5 * n_[0], double(margin.along),
+                                            double(n_[0] - margin.along)),
+                                 lattice((v[1] - centre[1]) * scale, 1), lattice((v[2] - centre[2]) * scale, 2)});
     }
 
     // First and last ray (last exclusive) of an axis whose positions lie in [lo, hi].

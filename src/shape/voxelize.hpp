@@ -11,8 +11,8 @@ namespace dqa {
 
 // Cells that stay empty on each side of a mesh.
 struct Margin {
-    int along = 0;   // ahead and behind, along x
-    int across = 0;  // along y and z
+    int along = 0;                                // ahead and behind, along x
+    int across = 0;                               // along y and z
     Margin(int all) : along(all), across(all) {}  // NOLINT(google-explicit-constructor): one number for every side
     Margin(int a, int b) : along(a), across(b) {}
     int of(std::size_t axis) const { return axis == 0 ? along : across; }

@@ -10,8 +10,9 @@
 namespace dqa {
 namespace {
 
-constexpr int kLevels = 6;       // steps of the ladder
-constexpr double kRatio = 0.25;  // between them
+constexpr int kLevels = 6;           // steps of the ladder
+constexpr double kRatio = 0.25;      // between them
+constexpr double kAgreement = 2e-8;  // of neighbouring estimates: smaller steps would only add rounding
 
 // splitmix64: the same direction everywhere for the same seed.
 struct Random {
@@ -63,7 +64,8 @@ public:
     const Design& design() const { return *design_; }
 
     std::shared_ptr<Tape> run(const Inputs& in, WithRespectTo changed) const {
-        const auto design = changed == WithRespectTo::weights && in.weights != base_.weights ? design_for(in.weights) : design_;
+        const auto design =
+            changed == WithRespectTo::weights && in.weights != base_.weights ? design_for(in.weights) : design_;
         Simulation simulation(design);
         set_state(simulation, in);
         auto tape = std::make_shared<Tape>(0);
@@ -71,7 +73,8 @@ public:
         if (controller) controller->assign_parameters(in.theta), tape->set_controller(*controller);
         const std::size_t n = static_cast<std::size_t>(design->n_signals());
         for (int k = 0; k < n_steps_; ++k) {
-            std::vector<double> a(in.actuation.begin() + static_cast<long>(n) * k, in.actuation.begin() + static_cast<long>(n) * (k + 1));
+            std::vector<double> a(in.actuation.begin() + static_cast<long>(n) * k,
+                                  in.actuation.begin() + static_cast<long>(n) * (k + 1));
             if (controller && changed == WithRespectTo::control) controller->evaluate(first_step_ + k, a.data());
             advance(simulation, a, tape.get());
         }
@@ -83,7 +86,8 @@ public:
 
 private:
     std::shared_ptr<const Design> design_for(const std::vector<double>& weights) const {
-        return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene_, nullptr);
+        return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene_,
+                                        nullptr);
     }
 
     // A nodal field on the nodes of another design, which may have a few more or fewer at the edge of its active set:
@@ -123,8 +127,10 @@ std::vector<double> simplex_direction(const std::vector<double>& weights, Random
     *one_sided = false;
     for (std::size_t i = 0; i < d.size(); ++i) {
         d[i] = random();
-        if (weights[i] < 0.03) d[i] = std::fabs(d[i]) + 0.1, *one_sided = true;
-        else interior += weights[i];
+        if (weights[i] < 0.03)
+            d[i] = std::fabs(d[i]) + 0.1, *one_sided = true;
+        else
+            interior += weights[i];
         sum += d[i];
     }
     for (std::size_t i = 0; i < d.size(); ++i)  // the interior components balance the sum
@@ -193,19 +199,28 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
     adjoint.backward(0, nullptr);
     std::vector<double> gradient;
     switch (quantity) {
-        case WithRespectTo::weights: gradient = adjoint.weights_bar(); break;
+        case WithRespectTo::weights:
+            gradient = adjoint.weights_bar();
+            break;
         case WithRespectTo::control: {
             // The rollout's clock begins at 0, the caller's may not: use the actuations' cotangents directly.
             const std::vector<double> bar = adjoint.actuation_bar();
             gradient.assign(rollout.base().theta.size(), 0.0);
             const std::size_t n = static_cast<std::size_t>(rollout.design().n_signals());
             for (int k = 0; k < settings.n_steps; ++k)
-                controller->pullback(rollout.first_step() + k, bar.data() + n * static_cast<std::size_t>(k), gradient.data());
+                controller->pullback(rollout.first_step() + k, bar.data() + n * static_cast<std::size_t>(k),
+                                     gradient.data());
             break;
         }
-        case WithRespectTo::actuation: gradient = adjoint.actuation_bar(); break;
-        case WithRespectTo::initial_position: gradient = adjoint.position_bar(); break;
-        case WithRespectTo::initial_velocity: gradient = adjoint.velocity_bar(); break;
+        case WithRespectTo::actuation:
+            gradient = adjoint.actuation_bar();
+            break;
+        case WithRespectTo::initial_position:
+            gradient = adjoint.position_bar();
+            break;
+        case WithRespectTo::initial_velocity:
+            gradient = adjoint.velocity_bar();
+            break;
     }
     const std::vector<double>& d = direction.*field;
     for (std::size_t i = 0; i < gradient.size(); ++i) {
@@ -223,7 +238,9 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         return rollout.loss(in, quantity);
     };
     double estimate[kLevels], remainder[kLevels], step[kLevels];
-    for (int k = 0; k < kLevels; ++k) {
+    int levels = 0;
+    while (levels < kLevels) {
+        const int k = levels++;
         const double e = step[k] = first_step * std::pow(kRatio, k);
         const double f1 = at(e), f2 = at(2 * e);
         if (report.one_sided)
@@ -231,11 +248,13 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         else
             estimate[k] = (8.0 * (f1 - at(-e)) - (f2 - at(-2 * e))) / (12.0 * e);
         remainder[k] = std::fabs(f1 - loss - e * report.adjoint);
+        if (k > 0 && std::fabs(estimate[k] - estimate[k - 1]) <= kAgreement * std::fabs(estimate[k])) break;
     }
-    // The best step is where neighbours of the ladder agree best: decided without a look at the adjoint.
-    int best = 1;
+    // The best step is the first that agrees with its neighbour to far better than is asked for, or where neighbours of
+    // the whole ladder agree best: decided without a look at the adjoint.
+    int best = levels < kLevels ? levels - 1 : 1;
     double agreement = std::numeric_limits<double>::infinity();
-    for (int k = 1; k + 1 < kLevels; ++k) {
+    for (int k = 1; levels == kLevels && k + 1 < kLevels; ++k) {
         const double spread = std::fabs(estimate[k] - estimate[k - 1]) + std::fabs(estimate[k] - estimate[k + 1]);
         if (spread < agreement) agreement = spread, best = k;
     }
@@ -246,7 +265,7 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
     // Slope of the remainder over the two smallest steps at which it stands well above the rounding of the loss.
     const double rounding = 2e-14 * (std::fabs(loss) + std::fabs(report.adjoint) * step[0]) + 1e-17;
     int last = 0;
-    while (last + 1 < kLevels && remainder[last + 1] > 1e3 * rounding) ++last;
+    while (last + 1 < levels && remainder[last + 1] > 1e3 * rounding) ++last;
     if (last >= 1)
         report.taylor_slope = std::log(remainder[last - 1] / remainder[last]) / std::log(1.0 / kRatio);
     else

@@ -5,7 +5,8 @@
 // Head-on (|x| = 1) the angle asin(x) has infinite slope: a cone in the velocity. It is rounded by
 //   Phi = asin(x cos eps) * (pi/2) / asin(cos eps),
 // odd, analytic on [-1, 1], exact at 0 and +-pi/2; the angle changes by at most about eps. The odd powers of
-// t = |Phi|/(pi/2) in Cd are rounded at tangential flow: |t| -> sqrt(t^2 + eps^2) - eps, |t|^3 -> t^2 sqrt(t^2 + eps^2).
+// t = |Phi|/(pi/2) in Cd are rounded at tangential flow: |t| -> sqrt(t^2 + eps^2) - eps, |t|^3 -> t^2 sqrt(t^2 +
+// eps^2).
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@ class WaterLaws {
 public:
     WaterLaws(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon);
 
-    LawValue drag(double x) const;          // Cd(|Phi|)
-    LawValue thrust_slope(double x) const;  // (Ct(Phi) - Ct(0)) / x, >= 0 for a monotone Ct; finite at x = 0
+    LawValue drag(double x) const;                     // Cd(|Phi|)
+    LawValue thrust_slope(double x) const;             // (Ct(Phi) - Ct(0)) / x, >= 0 for a monotone Ct; finite at x = 0
     double thrust_rest() const { return thrust_[0]; }  // Ct(0)
 
 private:

@@ -10,13 +10,21 @@ namespace {
 
 constexpr int kGrain = 256;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vec3& a, const Vec3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-Vec3 axpy(double s, const Vec3& a, const Vec3& b) { return {s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2]}; }
-Vec3 at(const double* q, int node3) { return {q[node3], q[node3 + 1], q[node3 + 2]}; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec3 axpy(double s, const Vec3& a, const Vec3& b) {
+    return {s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2]};
+}
+Vec3 at(const double* q, int node3) {
+    return {q[node3], q[node3 + 1], q[node3 + 2]};
+}
+Vec3 minus(const Vec3& a, const Vec3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
 Vec3 mean_of(const double* q, const std::array<int, 4>& nodes) {
     Vec3 m{};
@@ -41,7 +49,8 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
         f.weight = jump >= 0 ? weight : -weight;
         f.weight_derivative = jump / root;
         for (std::size_t k = 0; k < 4; ++k)
-            f.nodes[k] = 3 * set.node_to_active[static_cast<std::size_t>(box.node(corners[k][0], corners[k][1], corners[k][2]))];
+            f.nodes[k] =
+                3 * set.node_to_active[static_cast<std::size_t>(box.node(corners[k][0], corners[k][1], corners[k][2]))];
         faces_.push_back(f);
     };
     // Every face of every active cell, once: the low faces of all, and the high faces towards inactive neighbours.
@@ -71,7 +80,8 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
     slot_.resize(faces_.size() * 4);
     std::vector<int> fill(start_.begin(), start_.end() - 1);
     for (std::size_t f = 0; f < faces_.size(); ++f)
-        for (const int n : faces_[f].nodes) slot_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n / 3)]++)] = 3 * static_cast<int>(f);
+        for (const int n : faces_[f].nodes)
+            slot_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n / 3)]++)] = 3 * static_cast<int>(f);
 }
 
 void Water::add_to_nodes(const double* face_force, double* out, Threads threads) const {
@@ -96,7 +106,8 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Face& f = faces_[i];
-            const Vec3 d1 = minus(at(q, f.nodes[2]), at(q, f.nodes[0])), d2 = minus(at(q, f.nodes[3]), at(q, f.nodes[1]));
+            const Vec3 d1 = minus(at(q, f.nodes[2]), at(q, f.nodes[0])),
+                       d2 = minus(at(q, f.nodes[3]), at(q, f.nodes[1]));
             Vec3 a = cross(d1, d2);
             const double sign = f.weight >= 0 ? 0.5 : -0.5;
             for (double& x : a) x *= sign;
@@ -117,7 +128,8 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
 
 Vec3 Water::new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const {
     const Vec3 d = minus(mean_of(q_new, f.nodes), mean_of(q_old, f.nodes));
-    return {d[0] * inv_h - settings_.current[0], d[1] * inv_h - settings_.current[1], d[2] * inv_h - settings_.current[2]};
+    return {d[0] * inv_h - settings_.current[0], d[1] * inv_h - settings_.current[1],
+            d[2] * inv_h - settings_.current[2]};
 }
 
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, Threads threads,
@@ -129,7 +141,8 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
             const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
             const double nu = dot(n, u);
             e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
-            for (std::size_t k = 0; k < 3; ++k) ws.force[3 * i + k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
+            for (std::size_t k = 0; k < 3; ++k)
+                ws.force[3 * i + k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
         }
         return e;
     });
@@ -171,7 +184,8 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ol
         const double w_bar = cd_bar * cd.value * speed + ct_bar * ts.value * lateral2 / speed + k_bar * rest * lateral2;
         const double x_bar = w * (cd_bar * cd.derivative * speed + ct_bar * ts.derivative * lateral2 / speed);
         const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
-        const double speed_bar = w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
+        const double speed_bar =
+            w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
         const double area_bar = w_bar * half_rho * std::fabs(f.weight);
         const double weight_bar = w_bar * half_rho * area;
         Vec3 u_bar{};
@@ -185,7 +199,8 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ol
         Vec3 a_bar{};
         for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
         const double sign = f.weight >= 0 ? 0.5 : -0.5;
-        const Vec3 d1 = minus(at(q_old, f.nodes[2]), at(q_old, f.nodes[0])), d2 = minus(at(q_old, f.nodes[3]), at(q_old, f.nodes[1]));
+        const Vec3 d1 = minus(at(q_old, f.nodes[2]), at(q_old, f.nodes[0])),
+                   d2 = minus(at(q_old, f.nodes[3]), at(q_old, f.nodes[1]));
         Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
         for (std::size_t k = 0; k < 3; ++k) {
             d1_bar[k] *= sign, d2_bar[k] *= sign;
@@ -213,7 +228,8 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
         t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);
         wet += std::fabs(faces_[i].weight) * ws.area[i];
     }
-    for (std::size_t k = 0; k < 3 && wet > 0; ++k) t.mean_drag[k] = t.drag[k] / wet, t.mean_thrust[k] = t.thrust[k] / wet;
+    for (std::size_t k = 0; k < 3 && wet > 0; ++k)
+        t.mean_drag[k] = t.drag[k] / wet, t.mean_thrust[k] = t.thrust[k] / wet;
     return t;
 }
 

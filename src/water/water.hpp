@@ -13,19 +13,19 @@
 #include <array>
 #include <vector>
 
-#include "grid/parallel.hpp"
 #include "grid/active_set.hpp"
+#include "grid/parallel.hpp"
 #include "water/laws.hpp"
 
 namespace dqa {
 
 struct WaterSettings {
-    double density = 1000.0;          // kg/m^3
-    Vec3 current{};                   // m/s
+    double density = 1000.0;  // kg/m^3
+    Vec3 current{};           // m/s
     std::array<double, 4> drag{0.05, 0.05, 1.85, 2.05};
     std::array<double, 4> thrust{-0.8, -0.5, 0.1, 2.5};
-    double speed_smoothing = 1e-2;    // m/s
-    double angle_smoothing = 0.02;    // rad
+    double speed_smoothing = 1e-2;  // m/s
+    double angle_smoothing = 0.02;  // rad
     double surface_smoothing = 1e-2;
 };
 
@@ -65,10 +65,10 @@ public:
 
 private:
     struct Face {
-        std::array<int, 4> nodes{};  // 3 * active node, counter-clockwise about the +axis
+        std::array<int, 4> nodes{};         // 3 * active node, counter-clockwise about the +axis
         int cell_low = -1, cell_high = -1;  // active cells on both sides along the axis, -1 outside
-        double weight = 0.0;         // signed: > 0 if the low side is fuller
-        double weight_derivative = 0.0;  // d|weight| / d(dG), dG = G_low - G_high
+        double weight = 0.0;                // signed: > 0 if the low side is fuller
+        double weight_derivative = 0.0;     // d|weight| / d(dG), dG = G_low - G_high
     };
     Vec3 new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const;
     void add_to_nodes(const double* face_force, double* out, Threads threads) const;

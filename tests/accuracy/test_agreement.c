@@ -106,9 +106,9 @@ static void compare(const char* name, const dqa_simulator_options* o, const outc
                     double gradient_tolerance) {
     outcome a = run(o);
     const double state_error = distance(a.q, reference->q, a.n);
-    const double gradient_error = fmax(distance(a.weights_bar, reference->weights_bar, 2),
-                                       fmax(distance(a.control_bar, reference->control_bar, 3),
-                                            distance(a.q_bar, reference->q_bar, a.n)));
+    const double gradient_error =
+        fmax(distance(a.weights_bar, reference->weights_bar, 2),
+             fmax(distance(a.control_bar, reference->control_bar, 3), distance(a.q_bar, reference->q_bar, a.n)));
     print_message("  %-34s state error %.1e (<= %.0e)  gradient error %.1e (<= %.0e)\n", name, state_error,
                   state_tolerance, gradient_error, gradient_tolerance);
     assert_true(state_error <= state_tolerance);

@@ -28,8 +28,8 @@ static void prove(const char* scene, dqa_shape_space* space, double first_weight
         ok(dqa_gradient_check_options_init(&check, sizeof check));
         check.with_respect_to = k;
         ok(dqa_check_gradient(simulator, controller, &term, 1, &check, &r, sizeof r));
-        print_message("  %-28s %-16s adjoint % .9e  differences % .9e  error %.1e  slope %.2f%s\n", scene, QUANTITIES[k],
-                      r.adjoint, r.finite_difference, r.relative_error, r.taylor_slope,
+        print_message("  %-28s %-16s adjoint % .9e  differences % .9e  error %.1e  slope %.2f%s\n", scene,
+                      QUANTITIES[k], r.adjoint, r.finite_difference, r.relative_error, r.taylor_slope,
                       r.one_sided ? "  (one-sided)" : "");
         if (!(r.relative_error <= 1e-6) || !(r.gradient_norm > 0) || !(fabs(r.taylor_slope - 2.0) <= 0.1)) ++failures;
     }

@@ -45,8 +45,8 @@ static int ascending(const void* a, const void* b) {
     return (x > y) - (x < y);
 }
 
-static outcome run(dqa_shape_space* space, const settings* s, int32_t method, double tolerance, double adjoint_tolerance,
-                   int repeat) {
+static outcome run(dqa_shape_space* space, const settings* s, int32_t method, double tolerance,
+                   double adjoint_tolerance, int repeat) {
     const double weights[2] = {0.5, 0.5};
     dqa_simulator_options o;
     dqa_simulator* simulator;
@@ -103,14 +103,15 @@ static void report(FILE* csv, const settings* s, const outcome* o, const outcome
         largest = fmax(largest, fabs(reference->q[i]));
     }
     if (reference) gradient = fabs(o->bar[0] / reference->bar[0] - 1.0), state /= largest;
-    printf("%-14s tolerance %.0e  %d threads  %lld cells: set-up %.0f ms (barycentre %.0f), forward %.1f ms [%.1f, %.1f], "
-           "backward %.1f ms [%.1f, %.1f], %.1f Newton, %.0f linear, %.0f adjoint iterations a step, residual %.1e, "
-           "state error %.1e, gradient error %.1e, peak %.0f MiB\n",
-           method, tolerance, s->threads, (long long)o->info.n_active_cells, 1e3 * o->info.setup_seconds,
-           1e3 * o->info.barycenter_seconds, o->forward[repeat / 2], o->forward[0], o->forward[repeat - 1],
-           o->backward[repeat / 2], o->backward[0], o->backward[repeat - 1], (double)o->stats.newton_iterations / steps,
-           (double)o->stats.linear_iterations / steps, (double)o->stats.adjoint_iterations / steps,
-           o->stats.worst_residual, state, gradient, peak);
+    printf(
+        "%-14s tolerance %.0e  %d threads  %lld cells: set-up %.0f ms (barycentre %.0f), forward %.1f ms [%.1f, %.1f], "
+        "backward %.1f ms [%.1f, %.1f], %.1f Newton, %.0f linear, %.0f adjoint iterations a step, residual %.1e, "
+        "state error %.1e, gradient error %.1e, peak %.0f MiB\n",
+        method, tolerance, s->threads, (long long)o->info.n_active_cells, 1e3 * o->info.setup_seconds,
+        1e3 * o->info.barycenter_seconds, o->forward[repeat / 2], o->forward[0], o->forward[repeat - 1],
+        o->backward[repeat / 2], o->backward[0], o->backward[repeat - 1], (double)o->stats.newton_iterations / steps,
+        (double)o->stats.linear_iterations / steps, (double)o->stats.adjoint_iterations / steps,
+        o->stats.worst_residual, state, gradient, peak);
     if (!csv) return;
     fprintf(csv, "%s,%dx%dx%d,%lld,0.02,%s,euler,double,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f\n",
             s->meshes[0] ? "meshes" : "shipped fish", s->grid[0], s->grid[1], s->grid[2],
@@ -121,8 +122,10 @@ static void report(FILE* csv, const settings* s, const outcome* o, const outcome
 }
 
 static int usage(const char* why) {
-    fprintf(stderr, "bench_step: %s\nusage: bench_step [--csv FILE] [--threads N] [--grid NXxNYxNZ] [--steps N] "
-            "[--repeat N] [--quick] [--direct] [mesh mesh]\n", why);
+    fprintf(stderr,
+            "bench_step: %s\nusage: bench_step [--csv FILE] [--threads N] [--grid NXxNYxNZ] [--steps N] "
+            "[--repeat N] [--quick] [--direct] [mesh mesh]\n",
+            why);
     return 2;
 }
 
@@ -135,18 +138,28 @@ int main(int argc, char** argv) {
     int k, n_meshes = 0;
     for (k = 1; k < argc; ++k) {
         const char *name = argv[k], *value = k + 1 < argc ? argv[k + 1] : "";
-        if (!strcmp(name, "--quick")) s.grid[0] = 28, s.grid[1] = 10, s.grid[2] = 14, s.repeat = 3;
-        else if (!strcmp(name, "--direct")) s.direct = 1;
-        else if (!strcmp(name, "--csv")) s.csv = value, ++k;
-        else if (!strcmp(name, "--threads")) s.threads = atoi(value), ++k;
-        else if (!strcmp(name, "--steps")) s.steps = atoi(value), ++k;
-        else if (!strcmp(name, "--repeat")) s.repeat = atoi(value), ++k;
+        if (!strcmp(name, "--quick"))
+            s.grid[0] = 28, s.grid[1] = 10, s.grid[2] = 14, s.repeat = 3;
+        else if (!strcmp(name, "--direct"))
+            s.direct = 1;
+        else if (!strcmp(name, "--csv"))
+            s.csv = value, ++k;
+        else if (!strcmp(name, "--threads"))
+            s.threads = atoi(value), ++k;
+        else if (!strcmp(name, "--steps"))
+            s.steps = atoi(value), ++k;
+        else if (!strcmp(name, "--repeat"))
+            s.repeat = atoi(value), ++k;
         else if (!strcmp(name, "--grid")) {
-            if (sscanf(value, "%dx%dx%d", &s.grid[0], &s.grid[1], &s.grid[2]) != 3) return usage("--grid takes NXxNYxNZ");
+            if (sscanf(value, "%dx%dx%d", &s.grid[0], &s.grid[1], &s.grid[2]) != 3)
+                return usage("--grid takes NXxNYxNZ");
             ++k;
-        } else if (name[0] == '-') return usage("unknown option");
-        else if (n_meshes < 2) s.meshes[n_meshes++] = name;
-        else return usage("two meshes at most");
+        } else if (name[0] == '-')
+            return usage("unknown option");
+        else if (n_meshes < 2)
+            s.meshes[n_meshes++] = name;
+        else
+            return usage("two meshes at most");
     }
     if (n_meshes == 1) return usage("two meshes or none");
     if (s.steps < 1 || s.repeat < 1 || s.repeat > MOST_REPEATS) return usage("--steps and --repeat must be in [1, 64]");
@@ -161,9 +174,11 @@ int main(int argc, char** argv) {
     if (s.csv) {
         csv = fopen(s.csv, "w");
         if (!csv) return usage("cannot write the CSV file");
-        fprintf(csv, "scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,"
-                "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,"
-                "peak_mib\n");
+        fprintf(
+            csv,
+            "scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,"
+            "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,"
+            "peak_mib\n");
     }
     fast = run(space, &s, DQA_METHOD_NEWTON_PCG, 1e-6, 1e-8, s.repeat); /* before the direct solver raises the peak */
     report(NULL, &s, &fast, NULL, "newton_pcg", 1e-6, s.repeat);

@@ -226,7 +226,8 @@ class Resume(Scratch):
     def test_refuses_a_checkpoint_of_other_settings(self):
         before = results.history_without_seconds(self.reference)
         for more, word in ((["--steps", "11"], "steps"), (["--grid", "26x10x12"], "grid"),
-                           (["--fixed-control"], "control"), (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
+                           (["--fixed-control"], "control"), (["--sigma", "1"], "sigma"),
+                           (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
             process = self.codesign(*SMALL, "--resume", "--out", self.reference, *more)
             self.assertEqual(process.returncode, 2, process.stderr)
             self.assertIn(word, process.stderr)
@@ -263,6 +264,8 @@ class Refusals(Scratch):
         for option in ("--iterations", "--steps", "--threads"):
             for text in ("0", "-1", "1.5", "many", "99999999999999999999"):
                 self.refuse(2, option, option, text)
+        for text in ("0", "0.1", "17", "nan", "wide", "0.7x"):
+            self.refuse(2, "--sigma", "--sigma", text)
         self.refuse(2, "--frobnicate", "--frobnicate")
         self.refuse(2, "expects a value", "--steps")
 
@@ -306,7 +309,7 @@ class Refusals(Scratch):
         process = self.codesign("--help")
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
-                       "--resume", "--threads"):
+                       "--resume", "--threads", "--sigma"):
             self.assertIn(option, process.stdout)
 
 
