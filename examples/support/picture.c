@@ -28,6 +28,7 @@
 #define PANEL_WIDTH 770.0 /* of the view of one swimmer, its time labels included */
 #define PANEL_HEIGHT 610.0
 #define TIME_LABEL 85.0
+#define TICS 72.0
 #define PANEL_BOTTOM 0.035 /* share of the picture's height */
 #define KEY_ENTRIES 8
 
@@ -89,7 +90,7 @@ static int has_title(const run* r, int64_t base) {
 }
 
 static void weight_curves(FILE* f, const run* r, const dqa_shape_space* space) {
-    fputs("unset ylabel\nset yrange [-0.02:1.02]\nplot ", f);
+    fputs("set yrange [-0.02:1.02]\nplot ", f);
     for (int64_t i = 0; i < r->n_weights; ++i) {
         if (i > 0) fputs(", \\\n     ", f);
         fprintf(f, "'" HISTORY_FILE "' every ::1 using 1:%lld with linespoints lt %lld pt 7 ps 0.6 ", (long long)i + 3,
@@ -119,15 +120,27 @@ static void control_curves(FILE* f, const run* r) {
     fputc('\n', f);
 }
 
+/* A range with room around it also when the loss has not changed, where gnuplot's own tics become meaningless. */
+static void loss_range(FILE* f, const run* r) {
+    double least = HUGE_VAL, most = -HUGE_VAL, room;
+    for (int64_t k = 0; k < r->iteration; ++k) {
+        least = fmin(least, r->rows[k].loss);
+        most = fmax(most, r->rows[k].loss);
+    }
+    room = fmax(0.06 * (most - least), fmax(0.01 * fabs(most), 1e-6));
+    fprintf(f, "set yrange [%.9g:%.9g]\n", least - room, most + room);
+}
+
 static void curves(FILE* f, const run* r, const dqa_shape_space* space) {
     const int n_panels = r->fixed_control ? 2 : 3;
     const double width = 1.0 / n_panels;
     const long long last = (long long)(r->iteration > 1 ? r->iteration : 2);
     fprintf(f, "set xrange [1:%lld]\nset xlabel 'iteration' offset 0,0.5\n", last);
     if (last <= 10) fputs("set xtics 1\n", f);
-    panel(f, "Loss: minus the distance travelled", 0.075, width - 0.02);
+    panel(f, "Loss: minus the distance travelled (m)", 0.075, width - 0.02);
+    loss_range(f, r);
     fprintf(f,
-            "set ylabel 'm' offset 1\n"
+
             "plot '" HISTORY_FILE
             "' every ::1 using 1:2 with linespoints lt 1 pt 7 ps 0.8 title 'loss', \\\n"
             "     '+' every ::0::0 using (%lld):(%.9g) with points pt 6 ps 2.6 lw 2.5 lc rgb '#d55e00' title 'best'\n",
@@ -160,7 +173,8 @@ static void scenery(FILE* f, const lanes_box* box) {
             "set view %g, %g, %.4f\nset view equal xyz\nset xyplane at %.6g\n"
             "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\nset zrange [%.6g:%.6g]\n"
             "set pm3d depthorder corners2color c1\n",
-            LANES_VIEW_X, LANES_VIEW_Z, zoom_of(box), box->floor, box->x_least, box->x_most, -y, y, box->floor, box->top);
+            LANES_VIEW_X, LANES_VIEW_Z, zoom_of(box), box->floor, box->x_least, box->x_most, -y, y, box->floor,
+            box->top);
 }
 
 /* A straight line on the floor. */
@@ -178,15 +192,14 @@ static void swimmer(FILE* f, const motion* m, const lanes_box* box, const char* 
     const double centre =
         PANEL_BOTTOM + (0.5 * PANEL_HEIGHT - 0.5 * scale * (box->below + box->above)) / PICTURE_HEIGHT;
     fprintf(f,
-            "set lmargin at screen %.4f; set rmargin at screen %.4f\n"
-            "set tmargin at screen %.4f; set bmargin at screen %.4f\n"
+            "set origin %.4f,%.4f; set size %.4f,%.4f; set margins 0,0,0,0\n"
             "unset title; unset label; unset arrow\n"
             "set label '%s' at screen %.4f,0.605 center font ',16'\n"
             "set label 'travels %.4f m in %.2f s (blue: its nose)' at screen %.4f,0.58 center font ',13' "
             "tc rgb '#505050'\n",
-            middle - half_side / PICTURE_WIDTH, middle + half_side / PICTURE_WIDTH, centre + half_side / PICTURE_HEIGHT,
-            centre - half_side / PICTURE_HEIGHT, what, left + 0.24, -m->loss, (double)(m->n_frames - 1) * m->time_step,
-            left + 0.24);
+            middle - 0.5 * PANEL_WIDTH / PICTURE_WIDTH, centre - 0.5 * PANEL_HEIGHT / PICTURE_HEIGHT,
+            PANEL_WIDTH / PICTURE_WIDTH, PANEL_HEIGHT / PICTURE_HEIGHT, what, left + 0.24, -m->loss,
+            (double)(m->n_frames - 1) * m->time_step, left + 0.24);
     for (int lane = 0; lane < LANES; ++lane) {
         /* The lane's middle line, where its swimmer's nose stands above the floor, and its time. */
         const double at = lanes_y(box, lane), nose = lanes_nose(m, lanes_frame(m, lane)), half = 0.2 * box->spacing;
