@@ -146,8 +146,9 @@ static int write_results(job* w, int converged) {
 static int list_results(const job* w, int converged) {
     const run* r = &w->r;
     const char* out = w->o.out;
-    printf("%s after %lld iterations and %.1f s: the swimmer travels %.4f m (first %.4f m)\n",
-           converged ? "Converged" : "Done", (long long)r->iteration, r->seconds, -r->best_loss, -r->rows[0].loss);
+    printf("%s after %lld iterations and %.1f s: the swimmer travels %.2f mm (first %.2f mm)\n",
+           converged ? "Converged" : "Done", (long long)r->iteration, r->seconds, -1e3 * r->best_loss,
+           -1e3 * r->rows[0].loss);
     for (int64_t i = 0; i < r->n_weights; ++i)
         printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
     printf("Files:\n");

@@ -26,9 +26,9 @@ static uint64_t fnv(const void* data, size_t size) {
 char* checkpoint_settings(const options* o) {
     memory_text t;
     memory_text_begin(&t);
-    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nbases %d\n", dqa_version(),
-                    (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, o->steps, o->fixed_control ? "fixed" : "free",
-                    (int)o->n_meshes);
+    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nbases %d\n",
+                    dqa_version(), (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, o->steps,
+                    o->fixed_control ? "fixed" : "free", (int)o->n_meshes);
     for (int32_t i = 0; i < o->n_meshes; ++i) {
         const char* slash = strrchr(o->meshes[i], '/');
         size_t size = 0;

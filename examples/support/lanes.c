@@ -23,7 +23,7 @@ double lanes_y(const lanes_box* box, int lane) {
 }
 
 double lanes_edge(const lanes_box* box) {
-    return 0.5 * (LANES - 1) * box->spacing + fmax(box->half_width, 0.3 * box->spacing);
+    return 0.5 * (LANES - 1) * box->spacing + fmax(1.02 * box->half_width, 0.3 * box->spacing);
 }
 
 double lanes_nose(const motion* m, int64_t frame) {

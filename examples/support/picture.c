@@ -166,15 +166,16 @@ static double zoom_of(const lanes_box* box) {
 }
 
 static void scenery(FILE* f, const lanes_box* box) {
-    const double y = lanes_edge(box);
+    /* gnuplot drops what lies outside its ranges, be it by a rounded digit: the shadows lie on the very floor. */
+    const double y = lanes_edge(box), slack = 0.001 * (box->top - box->floor);
     fprintf(f,
             "unset border; unset tics; unset grid; unset xlabel; unset ylabel; unset key; unset colorbox\n"
             "set datafile separator whitespace\n"
             "set view %g, %g, %.4f\nset view equal xyz\nset xyplane at %.6g\n"
             "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\nset zrange [%.6g:%.6g]\n"
             "set pm3d depthorder corners2color c1\n",
-            LANES_VIEW_X, LANES_VIEW_Z, zoom_of(box), box->floor, box->x_least, box->x_most, -y, y, box->floor,
-            box->top);
+            LANES_VIEW_X, LANES_VIEW_Z, zoom_of(box), box->floor, box->x_least, box->x_most, -y, y, box->floor - slack,
+            box->top + slack);
 }
 
 /* A straight line on the floor. */
@@ -195,10 +196,10 @@ static void swimmer(FILE* f, const motion* m, const lanes_box* box, const char* 
             "set origin %.4f,%.4f; set size %.4f,%.4f; set margins 0,0,0,0\n"
             "unset title; unset label; unset arrow\n"
             "set label '%s' at screen %.4f,0.605 center font ',16'\n"
-            "set label 'travels %.4f m in %.2f s (blue: its nose)' at screen %.4f,0.58 center font ',13' "
+            "set label 'travels %.2f mm in %.2f s (blue: its nose)' at screen %.4f,0.58 center font ',13' "
             "tc rgb '#505050'\n",
             middle - 0.5 * PANEL_WIDTH / PICTURE_WIDTH, centre - 0.5 * PANEL_HEIGHT / PICTURE_HEIGHT,
-            PANEL_WIDTH / PICTURE_WIDTH, PANEL_HEIGHT / PICTURE_HEIGHT, what, left + 0.24, -m->loss,
+            PANEL_WIDTH / PICTURE_WIDTH, PANEL_HEIGHT / PICTURE_HEIGHT, what, left + 0.24, -1e3 * m->loss,
             (double)(m->n_frames - 1) * m->time_step, left + 0.24);
     for (int lane = 0; lane < LANES; ++lane) {
         /* The lane's middle line, where its swimmer's nose stands above the floor, and its time. */

@@ -74,7 +74,7 @@ static void draw(progress* p) {
     bar[BAR_WIDTH] = '\0';
     duration(left, remaining, sizeof remaining);
     losses[0] = '\0';
-    if (p->iteration > 0) (void)snprintf(losses, sizeof losses, "  loss %.4f  best %.4f", p->loss, p->best);
+    if (p->iteration > 0) (void)snprintf(losses, sizeof losses, "  loss %.5f  best %.5f", p->loss, p->best);
     (void)snprintf(line, sizeof line, "[%s] %lld/%lld%s  %s left  %s", bar, (long long)p->iteration,
                    (long long)p->iterations, losses, remaining, activity[p->stage]);
     fprintf(stderr, "\r%.79s\033[K", line); /* a longer line would wrap and not be redrawn */
