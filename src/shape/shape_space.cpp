@@ -182,15 +182,21 @@ void ShapeSpace::check_weights(const std::vector<double>& weights) const {
         fail(Status::ERROR_ARGUMENT, "weights sum to %.12g, expected 1 within 1e-9 (see dqa_project_simplex)", sum);
 }
 
-ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double tolerance, int threads,
-                                const std::function<void(int, double)>& monitor) const {
-    if (!built_) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
-    check_weights(weights);
+BarycenterSettings ShapeSpace::barycenter_settings(double tolerance, int threads,
+                                                   const std::function<void(int, double)>& monitor) const {
     BarycenterSettings s;
     s.tolerance = tolerance > 0 ? tolerance : settings_.tolerance;
     s.max_iterations = settings_.max_iterations;
     s.threads = threads > 0 ? threads : settings_.threads;
     s.monitor = monitor;
+    return s;
+}
+
+ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double tolerance, int threads,
+                                const std::function<void(int, double)>& monitor) const {
+    if (!built_) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
+    check_weights(weights);
+    const BarycenterSettings s = barycenter_settings(tolerance, threads, monitor);
     ShapePoint point;
     point.barycenter = solve_barycenter(kernel_, densities_, weights, s);
     point.peak = peak_of(point.barycenter.p, settings_.peak);
@@ -204,11 +210,7 @@ ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double toler
 std::vector<double> ShapeSpace::pullback(const ShapePoint& point, const double* p_hat_bar,
                                          const std::vector<ActuatorPoint>& actuators_bar, double tolerance, int threads,
                                          const std::function<void(int, double)>& monitor) const {
-    BarycenterSettings s;
-    s.tolerance = tolerance > 0 ? tolerance : settings_.tolerance;
-    s.max_iterations = settings_.max_iterations;
-    s.threads = threads > 0 ? threads : settings_.threads;
-    s.monitor = monitor;
+    const BarycenterSettings s = barycenter_settings(tolerance, threads, monitor);
     const std::vector<double> p_bar = normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
     std::vector<double> bar = barycenter_pullback(kernel_, densities_, point.barycenter, p_bar.data(), s);
     for (std::size_t k = 0; k < actuators_bar.size(); ++k)

@@ -86,6 +86,8 @@ private:
     void freeze();  // everything that follows from bases and cell size
     void choose_axis();
     std::vector<const Actuator*> actuators_of(ActuatorCategory category) const;
+    BarycenterSettings barycenter_settings(double tolerance, int threads,
+                                           const std::function<void(int, double)>& monitor) const;
 
     ShapeSettings settings_;
     Box box_;

@@ -164,7 +164,7 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         }
         std::vector<double> signal_bar(static_cast<std::size_t>(tape_->design().n_signals()), 0.0);
         const std::vector<double> v = tape_->v(step);
-        // Into a copy of nothing shared until it succeeded: a failed or cancelled step can be tried again.
+        // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
         const AdjointReport report =
             stepper_.adjoint(tape_->q(step).data(), v.data(), tape_->actuation(step).data(), tape_->q(step + 1).data(),
                              step, total.data(), q_bar.data(), v_bar.data(), signal_bar.data(), bar_);
