@@ -59,6 +59,7 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
     if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
+    make_constraints();
     make_factor();
     surface_ = extract_isosurface(box, point_.p_hat.data(), 0.5);
     for (const Vec3& x : surface_.vertices) {
@@ -112,6 +113,18 @@ void Design::make_spine() {
             sum += w;
         }
     if (!(sum > 0)) fail(Status::ERROR_ARGUMENT, "the design has no spine: no active node near the plane y = 0");
+}
+
+void Design::make_constraints() {
+    std::vector<char> fixed(static_cast<std::size_t>(n_nodes()), 0);
+    for (const int node : scene_.fixed_nodes) {
+        const int active = set_.node_to_active[static_cast<std::size_t>(node)];
+        if (active >= 0) fixed[static_cast<std::size_t>(active)] = 1;
+    }
+    for (int n = 0; n < n_nodes(); ++n)
+        for (int axis = 0; axis < 3; ++axis)
+            if (fixed[static_cast<std::size_t>(n)] || (scene_.planar && axis == 2))
+                constrained_.push_back(3 * n + axis);
 }
 
 // Projective-dynamics matrix (Bouaziz et al. 2014): M/h^2 + sum of weights G^T G, one scalar matrix for all three

@@ -47,6 +47,7 @@ public:
     const Water* water() const { return water_.get(); }  // null without water
     const PackedFactor& factor() const { return *factor_; }
     const std::vector<double>& stiffness_diagonal() const { return diagonal_; }  // of the factorised matrix, [n_nodes]
+    const std::vector<int>& constrained() const { return constrained_; }  // coordinates 3 node + axis that stay put
     const Sensors& sensors() const { return sensors_; }
     const Isosurface& surface() const;  // of p_hat = 1/2, at rest
     // Vertices of the surface carried by nodal positions q.
@@ -63,6 +64,7 @@ private:
     void make_muscles();
     void make_factor();
     void make_spine();
+    void make_constraints();
 
     std::shared_ptr<const ShapeSpace> space_;
     SceneSettings scene_;
@@ -79,6 +81,7 @@ private:
     std::unique_ptr<Body> body_;
     std::unique_ptr<Water> water_;
     std::unique_ptr<PackedFactor> factor_;
+    std::vector<int> constrained_;
     Sensors sensors_;
     double barycenter_seconds_ = 0.0;
     struct Embedding {

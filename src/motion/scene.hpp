@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "grid/simd.hpp"
 #include "water/water.hpp"
@@ -12,11 +13,15 @@
 namespace dqa {
 
 enum class Method : int { newton_pcg = 0, newton_direct = 1 };
+enum class Integrator : int { implicit_euler = 0, bdf2 = 1 };
 
 struct SceneSettings {
     int threads = 1;
     Method method = Method::newton_pcg;
+    Integrator integrator = Integrator::implicit_euler;
     bool water = true;
+    bool planar = false;           // no motion along z
+    std::vector<int> fixed_nodes;  // box nodes that keep their place; those not in the active set are ignored
     int max_newton = 50;
     int max_linear = 2000;
     InstructionSet instructions = InstructionSet::automatic;

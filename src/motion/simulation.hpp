@@ -15,21 +15,24 @@ public:
 
     const Design& design() const { return stepper_.design(); }
     std::shared_ptr<const Design> shared_design() const { return design_; }
-    const std::vector<double>& q() const { return q_; }  // [n_nodes][3] m
-    const std::vector<double>& v() const { return v_; }  // [n_nodes][3] m/s
+    const std::vector<double>& q() const { return state_.q; }  // [n_nodes][3] m
+    const std::vector<double>& v() const { return state_.v; }  // [n_nodes][3] m/s
+    const State& state() const { return state_; }
     long steps() const { return steps_; }
     double time() const { return static_cast<double>(steps_) * design().scene().time_step; }
     const WaterTotals& forces() const { return forces_; }
 
     // Sets the state and the clock to 0; sizes and finiteness are the caller's to check.
     void set_state(const double* q, const double* v);
+    // Puts the simulation where another of the same design stood.
+    void restore(const State& state, long steps);
     // One step; on an exception the state is that before the call.
-    StepReport step(const double* signals);
+    StepReport step(const StepInput& input);
 
 private:
     std::shared_ptr<const Design> design_;
     Stepper stepper_;
-    std::vector<double> q_, v_, q_new_;
+    State state_, next_;
     long steps_ = 0;
     WaterTotals forces_;
 };

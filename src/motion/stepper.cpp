@@ -20,28 +20,43 @@ double norm(const double* a, std::size_t n) {
 
 Stepper::Stepper(std::shared_ptr<const Design> design)
     : design_(std::move(design)), scene_(design_->scene()), size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
-    for (auto* v : {&y_, &q_old_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
+    for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
         v->assign(size_, 0.0);
 }
 
-void Stepper::begin(const double* q, const double* v) {
-    std::copy(q, q + size_, q_old_.begin());
+void Stepper::begin(const State& now, const StepInput& input) {
+    two_step_ = scene_.integrator == Integrator::bdf2 && !now.q_before.empty();
+    beta_ = two_step_ ? 2.0 / 3.0 * scene_.time_step : scene_.time_step;
+    lag_q_ = now.q, lag_v_ = now.v, base_ = now.q;
     double noise2 = 0.0;
     for (std::size_t i = 0; i < size_; ++i) {
-        y_[i] = q[i] + scene_.time_step * v[i];
+        double velocity = now.v[i];
+        if (two_step_) {
+            base_[i] = (4.0 * now.q[i] - now.q_before[i]) / 3.0;
+            velocity = (4.0 * now.v[i] - now.v_before[i]) / 3.0;
+            lag_q_[i] = 2.0 * now.q[i] - now.q_before[i];
+            lag_v_[i] = 2.0 * now.v[i] - now.v_before[i];
+        }
+        y_[i] = base_[i] + beta_ * velocity;
         // Positions are known to one rounding; the stiffness turns it into a force that no iteration can remove.
-        const double force = design_->stiffness_diagonal()[i / 3] * q[i];
+        const double force = design_->stiffness_diagonal()[i / 3] * now.q[i];
         noise2 += force * force;
     }
     noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
-    if (const Water* water = design_->water()) water->lag(water_, q, v, design_->sensors().direction(q), threads_);
+    if (const Water* water = design_->water())
+        water->lag(water_, lag_q_.data(), lag_v_.data(), design_->sensors().direction(lag_q_.data()), input.current,
+                   threads_);
+}
+
+void Stepper::mask(double* field) const {
+    for (const int i : design_->constrained()) field[i] = 0.0;
 }
 
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
     Evaluation e;
     e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
     e.scale = norm(elastic_.data(), size_) + norm(muscle_.data(), size_);
-    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
+    const double inv_h2 = 1.0 / (beta_ * beta_);
     double inertia = 0.0, inertia2 = 0.0;
     for (std::size_t i = 0; i < size_; ++i) {
         const double d = q_new[i] - y_[i], f = design_->mass()[i / 3] * inv_h2 * d;
@@ -52,21 +67,35 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     e.scale += std::sqrt(inertia2);
     if (const Water* water = design_->water()) {
         std::fill(trial_.begin(), trial_.end(), 0.0);
-        e.energy += water->gradient(water_, q_new, q_old_.data(), scene_.time_step, threads_, trial_.data());
+        e.energy += water->gradient(water_, q_new, base_.data(), beta_, threads_, trial_.data());
         e.scale += norm(trial_.data(), size_);
         for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
     }
     for (std::size_t i = 0; i < size_; ++i) gradient_[i] += elastic_[i] + muscle_[i];
+    mask(gradient_.data());
     e.residual = norm(gradient_.data(), size_);
     e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
     return e;
 }
 
 void Stepper::apply_hessian(const double* p, double* out) {
-    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step);
+    if (design_->constrained().empty()) return full_product(p, out);
+    masked_.assign(p, p + size_);
+    mask(masked_.data());
+    full_product(masked_.data(), out);
+    for (const int i : design_->constrained()) out[i] = p[i];
+}
+
+void Stepper::precondition(const double* in, double* out) {
+    design_->factor().solve(in, out, factor_);
+    mask(out);
+}
+
+void Stepper::full_product(const double* p, double* out) {
+    const double inv_h2 = 1.0 / (beta_ * beta_);
     for (std::size_t i = 0; i < size_; ++i) out[i] = design_->mass()[i / 3] * inv_h2 * p[i];
     design_->body().product(body_, p, threads_, out);
-    if (const Water* water = design_->water()) water->product(water_, p, scene_.time_step, threads_, out);
+    if (const Water* water = design_->water()) water->product(water_, p, beta_, threads_, out);
 }
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
@@ -127,7 +156,7 @@ bool Stepper::newton_direction(double forcing, StepReport& report, bool* truncat
     const PcgResult r = pcg(
         size_, b.data(), direction_.data(), forcing, scene_.max_linear,
         [&](const double* p, double* out) { apply_hessian(p, out); },
-        [&](const double* in, double* out) { design_->factor().solve(in, out, factor_); }, krylov_);
+        [&](const double* in, double* out) { precondition(in, out); }, krylov_);
     report.linear_iterations += r.iterations;
     *truncated = r.negative_curvature;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
@@ -154,19 +183,21 @@ void Stepper::fail_step(Status status, long step, const char* why, double relati
          step, why, relative, scene_.tolerance, worst_cell());
 }
 
-StepReport Stepper::step(const double* q, const double* v, const double* signals, long step, double* q_new) {
+StepReport Stepper::step(const State& now, const StepInput& input, long step, State& next) {
     StepReport report;
     with_crew(scene_.threads, [&](Threads threads) {
         threads_ = threads;
-        report = solve(q, v, signals, step, q_new);
+        report = solve(now, input, step, next);
     });
     return report;
 }
 
-StepReport Stepper::solve(const double* q, const double* v, const double* signals, long step, double* q_new) {
+StepReport Stepper::solve(const State& before, const StepInput& input, long step, State& next_state) {
     StepReport report;
-    begin(q, v);
+    const double* signals = input.signals;
+    begin(before, input);
     std::vector<double> x(y_), candidate(size_);
+    for (const int i : design_->constrained()) x[static_cast<std::size_t>(i)] = before.q[static_cast<std::size_t>(i)];
     Evaluation now = evaluate(x.data(), signals);
     if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
     const auto target = [&](const Evaluation& e) { return std::max(scene_.tolerance * e.scale, noise_); };
@@ -223,44 +254,64 @@ StepReport Stepper::solve(const double* q, const double* v, const double* signal
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
     report.residual = scale > 0 ? now.residual / scale : 0.0;
     report.inverted = body_.inverted;
-    std::copy(x.begin(), x.end(), q_new);
+    next_state.v.resize(size_);
+    for (std::size_t i = 0; i < size_; ++i) next_state.v[i] = (x[i] - base_[i]) / beta_;
+    for (const int i : design_->constrained()) next_state.v[static_cast<std::size_t>(i)] = 0.0;
+    next_state.q.swap(x);
+    if (scene_.integrator == Integrator::bdf2) next_state.q_before = before.q, next_state.v_before = before.v;
     return report;
 }
 
-WaterTotals Stepper::totals(const double* q, const double* q_new) const {
+WaterTotals Stepper::totals(const State& next) const {
     const Water* water = design_->water();
-    return water ? water->totals(water_, q_new, q, scene_.time_step) : WaterTotals{};
+    return water ? water->totals(water_, next.q.data(), base_.data(), beta_) : WaterTotals{};
 }
 
-AdjointReport Stepper::adjoint(const double* q, const double* v, const double* signals, const double* q_new, long step,
-                               const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar,
-                               DesignBar& bar) {
+AdjointReport Stepper::adjoint(const State& now, const StepInput& input, const State& next, long step,
+                               const State& next_bar, StepBar& out, DesignBar& bar) {
     AdjointReport report;
-    if (norm(q_new_bar, size_) == 0.0) return report;
+    for (auto* field : {&out.state.q, &out.state.v}) field->assign(size_, 0.0);
+    out.state.q_before.clear(), out.state.v_before.clear();
+    out.signals.assign(static_cast<std::size_t>(design_->n_signals()), 0.0);
+    out.current = {};
+    // What the new state keeps of the old one.
+    for (std::size_t i = 0; i < next_bar.q_before.size(); ++i) out.state.q[i] += next_bar.q_before[i];
+    for (std::size_t i = 0; i < next_bar.v_before.size(); ++i) out.state.v[i] += next_bar.v_before[i];
+    if (norm(next_bar.q.data(), size_) == 0.0 && norm(next_bar.v.data(), size_) == 0.0) return report;
     with_crew(scene_.threads, [&](Threads threads) {
         threads_ = threads;
-        report = pull_back(q, v, signals, q_new, step, q_new_bar, q_bar, v_bar, signal_bar, bar);
+        report = pull_back(now, input, next, step, next_bar, out, bar);
     });
     return report;
 }
 
-AdjointReport Stepper::pull_back(const double* q, const double* v, const double* signals, const double* q_new,
-                                 long step, const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar,
-                                 DesignBar& bar) {
+AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const State& next, long step,
+                                 const State& next_bar, StepBar& out, DesignBar& bar) {
     AdjointReport report;
-    begin(q, v);
-    evaluate(q_new, signals);
+    begin(now, input);
+    const double* q_new = next.q.data();
+    evaluate(q_new, input.signals);
+    // v+ = (q+ - q~) / b except on constrained coordinates, where it is zero.
+    std::vector<double> total(next_bar.v);
+    mask(total.data());
+    std::vector<double> base_bar(size_);
+    for (std::size_t i = 0; i < size_; ++i) base_bar[i] = -total[i] / beta_;
+    for (std::size_t i = 0; i < size_; ++i) total[i] = next_bar.q[i] + total[i] / beta_;
+    std::vector<double> rhs(total);
+    mask(rhs.data());
+    const double* q_new_bar = rhs.data();
     const auto residual_of = [&](const std::vector<double>& x) {
         apply_hessian(x.data(), trial_.data());
         for (std::size_t i = 0; i < size_; ++i) trial_[i] -= q_new_bar[i];
         return norm(trial_.data(), size_) / norm(q_new_bar, size_);
     };
-    bool solved = false;
-    if (scene_.method == Method::newton_pcg) {
+    bool solved = norm(q_new_bar, size_) == 0.0;
+    if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
+    if (!solved && scene_.method != Method::newton_direct) {
         const PcgResult r = pcg(
             size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear,
-            [&](const double* p, double* out) { apply_hessian(p, out); },
-            [&](const double* in, double* out) { design_->factor().solve(in, out, factor_); }, krylov_);
+            [&](const double* p, double* product) { apply_hessian(p, product); },
+            [&](const double* in, double* product) { precondition(in, product); }, krylov_);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;
@@ -282,21 +333,45 @@ AdjointReport Stepper::pull_back(const double* q, const double* v, const double*
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,
                  report.residual, scene_.adjoint_tolerance);
     }
-    // r = M (q+ - q - h v) / h^2 + ...: every cotangent is -(dr/d.)^T lambda.
-    const double h = scene_.time_step, inv_h2 = 1.0 / (h * h);
+    // A constrained coordinate keeps its old place, through which the others feel it too.
+    if (!design_->constrained().empty()) {
+        full_product(lambda_.data(), trial_.data());
+        for (const int c : design_->constrained()) {
+            const std::size_t i = static_cast<std::size_t>(c);
+            out.state.q[i] += total[i] - trial_[i];
+        }
+    }
+    // r = M (q+ - q~ - b v~) / b^2 + ...: every cotangent is -(dr/d.)^T lambda.
+    const double inv_b2 = 1.0 / (beta_ * beta_);
+    std::vector<double> velocity_bar(size_), lag_q_bar(size_, 0.0), lag_v_bar(size_, 0.0);
     for (std::size_t i = 0; i < size_; ++i) {
         const double m = design_->mass()[i / 3];
-        q_bar[i] += m * inv_h2 * lambda_[i];
-        v_bar[i] += m / h * lambda_[i];
-        bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_h2;
+        base_bar[i] += m * inv_b2 * lambda_[i];
+        velocity_bar[i] = m / beta_ * lambda_[i];
+        bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_b2;
         lambda_[i] = -lambda_[i];
     }
     design_->body().parameter_pullback(body_, q_new, lambda_.data(), threads_, bar.mu.data(), bar.muscle_weight.data(),
-                                       signal_bar);
+                                       out.signals.data());
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
-        water->pullback(water_, q_new, q_old_.data(), lambda_.data(), h, q_bar, v_bar, spine_bar, bar.occupancy.data());
-        design_->sensors().direction_pullback(q, spine_bar, q_bar, bar.head_x, bar.tail_x);
+        water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, base_bar.data(),
+                        lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.occupancy.data());
+        design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
+    }
+    if (two_step_) {
+        out.state.q_before.resize(size_), out.state.v_before.resize(size_);
+        for (std::size_t i = 0; i < size_; ++i) {
+            out.state.q[i] += 4.0 / 3.0 * base_bar[i] + 2.0 * lag_q_bar[i];
+            out.state.v[i] += 4.0 / 3.0 * velocity_bar[i] + 2.0 * lag_v_bar[i];
+            out.state.q_before[i] = -base_bar[i] / 3.0 - lag_q_bar[i];
+            out.state.v_before[i] = -velocity_bar[i] / 3.0 - lag_v_bar[i];
+        }
+    } else {
+        for (std::size_t i = 0; i < size_; ++i) {
+            out.state.q[i] += base_bar[i] + lag_q_bar[i];
+            out.state.v[i] += velocity_bar[i] + lag_v_bar[i];
+        }
     }
     return report;
 }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-// One implicit Euler step and its adjoint.
+// One step of the time integrator and its adjoint.
 //
-// Step: q+ minimises  |q+ - y|_M^2 / (2 h^2) + E_body(q+, a) + D_water(q+; q, v),  y = q + h v;  v+ = (q+ - q) / h.
+// Step: q+ minimises  |q+ - y|_M^2 / (2 b^2) + E_body(q+, a) + D_water(q+; lagged state),  y = q~ + b v~,
+// v+ = (q+ - q~) / b. Implicit Euler: q~ = q, v~ = v, b = h, lagged state (q, v). BDF2 (e.g. Hairer & Wanner, sec.
+// V.1): q~ = (4 q - q_before) / 3, v~ alike, b = 2 h / 3, lagged state extrapolated: 2 q - q_before, 2 v - v_before.
 // Newton's method with conjugate gradients preconditioned by the projective-dynamics factor; the exact Hessian,
 // filtered only where it shows negative curvature. Stops at |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
-// + |f_water|), norms over nodes: independent of the origin and of rigid motion.
+// + |f_water|), norms over nodes: independent of the origin and of rigid motion. Constrained coordinates keep their
+// place and drop out of all of it.
 //
-// Adjoint: H(q+) lambda = q+_bar + v+_bar / h, then the cotangents of everything the residual depends on.
+// Adjoint: H(q+) lambda = q+_bar + v+_bar / b, then the cotangents of everything the residual depends on.
 #pragma once
 
 #include <memory>
@@ -16,6 +19,7 @@
 #include "linalg/pcg.hpp"
 #include "linalg/sparse.hpp"
 #include "motion/design.hpp"
+#include "motion/state.hpp"
 
 namespace dqa {
 
@@ -39,15 +43,15 @@ public:
 
     const Design& design() const { return *design_; }
 
-    // q, v -> q_new [n_nodes][3]; signals [n_signals]. step: index for messages. Throws NOT_CONVERGED or DIVERGED.
-    StepReport step(const double* q, const double* v, const double* signals, long step, double* q_new);
-    // Hydrodynamic totals of the step just taken.
-    WaterTotals totals(const double* q, const double* q_new) const;
+    // now -> next. step: index for messages. Throws NOT_CONVERGED or DIVERGED; next is then unspecified.
+    StepReport step(const State& now, const StepInput& input, long step, State& next);
+    // Hydrodynamic totals of the step just taken to `next`.
+    WaterTotals totals(const State& next) const;
 
-    // Pullback of step at a solution q_new: q_new_bar (the sum q+_bar + v+_bar / h) gives q_bar, v_bar (added to),
-    // signal_bar (added to) and bar (added to). The term -v+_bar/h of q_bar is the caller's.
-    AdjointReport adjoint(const double* q, const double* v, const double* signals, const double* q_new, long step,
-                          const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar, DesignBar& bar);
+    // Pullback of step at its solution: next_bar gives out (overwritten) and bar (added to). next.before and
+    // next_bar.before may be empty.
+    AdjointReport adjoint(const State& now, const StepInput& input, const State& next, long step, const State& next_bar,
+                          StepBar& out, DesignBar& bar);
 
 private:
     struct Evaluation {
@@ -55,12 +59,15 @@ private:
         bool finite = true;
     };
     // step and adjoint inside the crew of their threads.
-    StepReport solve(const double* q, const double* v, const double* signals, long step, double* q_new);
-    AdjointReport pull_back(const double* q, const double* v, const double* signals, const double* q_new, long step,
-                            const double* q_new_bar, double* q_bar, double* v_bar, double* signal_bar, DesignBar& bar);
-    void begin(const double* q, const double* v);
+    StepReport solve(const State& now, const StepInput& input, long step, State& next);
+    AdjointReport pull_back(const State& now, const StepInput& input, const State& next, long step,
+                            const State& next_bar, StepBar& out, DesignBar& bar);
+    void begin(const State& now, const StepInput& input);
     Evaluation evaluate(const double* q_new, const double* signals);
-    void apply_hessian(const double* p, double* out);
+    void apply_hessian(const double* p, double* out);  // of the free coordinates; the identity on the others
+    void full_product(const double* p, double* out);   // of all coordinates
+    void precondition(const double* in, double* out);
+    void mask(double* field) const;  // zero on the constrained coordinates
     SymmetricMatrix assemble();
     bool newton_direction(double forcing, StepReport& report, bool* truncated);
     [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
@@ -74,7 +81,11 @@ private:
     WaterWorkspace water_;
     PcgWorkspace krylov_;
     PackedFactor::Workspace factor_;
-    std::vector<double> y_, q_old_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
+    std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
+    std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
+    std::vector<double> masked_;         // scratch of apply_hessian
+    bool two_step_ = false;
+    double beta_ = 0.0;   // s
     double noise_ = 0.0;  // rounding level of the residual norm
 };
 

@@ -9,7 +9,8 @@
 namespace dqa {
 
 std::int64_t Tape::step_bytes(const Design& design) const {
-    return static_cast<std::int64_t>(sizeof(double)) * (3 * design.n_nodes() + design.n_signals());
+    return static_cast<std::int64_t>(sizeof(double)) * (3 * design.n_nodes() + design.n_signals() + 3) *
+           (design.scene().integrator == Integrator::bdf2 ? 2 : 1);
 }
 
 void Tape::require_room(const Design& design) const {
@@ -25,14 +26,18 @@ void Tape::begin(const Simulation& simulation) {
     if (design_) return;
     design_ = simulation.shared_design();
     q_.push_back(simulation.q());
-    v_first_ = simulation.v();
+    v_.push_back(simulation.v());
+    before_first_ = simulation.state();
+    before_first_.q.clear(), before_first_.v.clear();
     first_step_ = simulation.steps();
-    statistics_.bytes = 2 * static_cast<std::int64_t>(sizeof(double) * v_first_.size());
+    statistics_.bytes = 2 * static_cast<std::int64_t>(sizeof(double) * simulation.v().size());
 }
 
-void Tape::append(const Simulation& simulation, const std::vector<double>& actuation, const StepReport& report) {
+void Tape::append(const Simulation& simulation, const StepInput& input, const StepReport& report) {
     q_.push_back(simulation.q());
-    actuation_.push_back(actuation);
+    if (design_->scene().integrator == Integrator::bdf2) v_.push_back(simulation.v());
+    actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
+    current_.push_back(input.current);
     statistics_.bytes += step_bytes(*design_);
     statistics_.newton_iterations += report.newton_iterations;
     statistics_.linear_iterations += report.linear_iterations;
@@ -41,7 +46,7 @@ void Tape::append(const Simulation& simulation, const std::vector<double>& actua
 
 bool Tape::continues(const Simulation& simulation) const {
     return empty() || (design_ == simulation.shared_design() && first_step_ + n_steps() == simulation.steps() &&
-                       q_.back() == simulation.q() && v(n_steps()) == simulation.v());
+                       state(n_steps()) == simulation.state());
 }
 
 void Tape::set_controller(const Controller& controller) {
@@ -55,18 +60,30 @@ void Tape::set_controller(const Controller& controller) {
 void Tape::clear() {
     design_.reset();
     controller_.reset();
-    q_.clear(), v_first_.clear(), actuation_.clear();
+    q_.clear(), v_.clear(), actuation_.clear(), current_.clear();
+    before_first_ = {};
     first_step_ = 0;
     statistics_ = {};
 }
 
 std::vector<double> Tape::v(long step) const {
-    if (step == 0) return v_first_;
+    if (static_cast<std::size_t>(step) < v_.size()) return v_[static_cast<std::size_t>(step)];
     const std::vector<double>&a = q(step - 1), &b = q(step);
     const double h = design_->scene().time_step;
     std::vector<double> out(a.size());
     for (std::size_t i = 0; i < a.size(); ++i) out[i] = (b[i] - a[i]) / h;
+    for (const int i : design_->constrained()) out[static_cast<std::size_t>(i)] = 0.0;
     return out;
+}
+
+State Tape::state(long step) const {
+    State s;
+    if (step == 0)
+        s = before_first_;
+    else if (design_->scene().integrator == Integrator::bdf2)
+        s.q_before = q(step - 1), s.v_before = v(step - 1);
+    s.q = q(step), s.v = v(step);
+    return s;
 }
 
 double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const {
@@ -80,13 +97,14 @@ double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term
 }
 
 StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape) {
+    const StepInput input{signals.data(), simulation.design().scene().hydrodynamics.current};
     if (tape) tape->require_room(simulation.design());
-    if (!tape) return simulation.step(signals.data());
+    if (!tape) return simulation.step(input);
     const bool first = tape->empty();
     tape->begin(simulation);
     try {
-        const StepReport report = simulation.step(signals.data());
-        tape->append(simulation, signals, report);
+        const StepReport report = simulation.step(input);
+        tape->append(simulation, input, report);
         return report;
     } catch (...) {
         if (first) tape->clear();
@@ -100,10 +118,11 @@ Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
       position_(tape_->n_steps()),
       q_seed_(static_cast<std::size_t>(position_) + 1),
       v_seed_(static_cast<std::size_t>(position_) + 1),
-      q_bar_(tape_->design().rest().size(), 0.0),
-      v_bar_(q_bar_),
       signal_bar_(static_cast<std::size_t>(position_)),
-      bar_(tape_->design().zero_bar()) {}
+      bar_(tape_->design().zero_bar()) {
+    state_bar_.q.assign(tape_->design().rest().size(), 0.0);
+    state_bar_.v = state_bar_.q;
+}
 
 namespace {
 
@@ -117,21 +136,21 @@ void accumulate(std::vector<double>& into, const double* bar, std::size_t n) {
 void Adjoint::seed_position(long step, const double* bar) {
     // The cursor's own state has been collected once the sweep began: add to the running cotangent there.
     if (begun_ && step == position_)
-        for (std::size_t i = 0; i < q_bar_.size(); ++i) q_bar_[i] += bar[i];
+        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += bar[i];
     else
-        accumulate(q_seed_[static_cast<std::size_t>(step)], bar, q_bar_.size());
+        accumulate(q_seed_[static_cast<std::size_t>(step)], bar, state_bar_.q.size());
 }
 
 void Adjoint::seed_velocity(long step, const double* bar) {
     if (begun_ && step == position_)
-        for (std::size_t i = 0; i < v_bar_.size(); ++i) v_bar_[i] += bar[i];
+        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += bar[i];
     else
-        accumulate(v_seed_[static_cast<std::size_t>(step)], bar, v_bar_.size());
+        accumulate(v_seed_[static_cast<std::size_t>(step)], bar, state_bar_.v.size());
 }
 
 void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
     if (begun_) fail(Status::ERROR_STATE, "seed_objective: the backward sweep has already begun");
-    std::vector<double> first(q_bar_.size(), 0.0), last(q_bar_.size(), 0.0);
+    std::vector<double> first(state_bar_.q.size(), 0.0), last(state_bar_.q.size(), 0.0);
     for (const ObjectiveTerm& t : terms)
         travel_pullback(tape_->design(), tape_->q(0).data(), tape_->q(tape_->n_steps()).data(), t.weight, first.data(),
                         last.data(), bar_.spine.data());
@@ -142,9 +161,9 @@ void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
 void Adjoint::collect(long step) {
     auto &qs = q_seed_[static_cast<std::size_t>(step)], &vs = v_seed_[static_cast<std::size_t>(step)];
     if (!qs.empty())
-        for (std::size_t i = 0; i < q_bar_.size(); ++i) q_bar_[i] += qs[i];
+        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += qs[i];
     if (!vs.empty())
-        for (std::size_t i = 0; i < v_bar_.size(); ++i) v_bar_[i] += vs[i];
+        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += vs[i];
     qs = {}, vs = {};
 }
 
@@ -154,24 +173,16 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         begun_ = true;
     }
     const long from = position_;
-    const double h = tape_->design().scene().time_step;
     while (position_ > to_step) {
         const long step = position_ - 1;
-        std::vector<double> total(q_bar_), q_bar(q_bar_.size(), 0.0), v_bar(q_bar_.size(), 0.0);
-        for (std::size_t i = 0; i < total.size(); ++i) {
-            total[i] += v_bar_[i] / h;
-            q_bar[i] = -v_bar_[i] / h;
-        }
-        std::vector<double> signal_bar(static_cast<std::size_t>(tape_->design().n_signals()), 0.0);
-        const std::vector<double> v = tape_->v(step);
         // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
         const AdjointReport report =
-            stepper_.adjoint(tape_->q(step).data(), v.data(), tape_->actuation(step).data(), tape_->q(step + 1).data(),
-                             step, total.data(), q_bar.data(), v_bar.data(), signal_bar.data(), bar_);
+            stepper_.adjoint(tape_->state(step), {tape_->actuation(step).data(), tape_->current(step)},
+                             tape_->state(step + 1), step, state_bar_, step_bar_, bar_);
         iterations_ += report.linear_iterations;
         worst_residual_ = std::max(worst_residual_, report.residual);
-        q_bar_.swap(q_bar), v_bar_.swap(v_bar);
-        signal_bar_[static_cast<std::size_t>(step)] = signal_bar;
+        std::swap(state_bar_, step_bar_.state);
+        signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
         position_ = step;
         collect(step);
         if (monitor) monitor(from - position_, from - to_step);

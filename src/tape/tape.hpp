@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The record of one rollout and the backward sweep over it. Velocities are not stored: v_{i+1} = (q_{i+1} - q_i) / h
-// gives the same bits again.
+// The record of one rollout and the backward sweep over it. Under implicit Euler velocities are not stored:
+// v_{i+1} = (q_{i+1} - q_i) / h gives the same bits again.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ public:
     // Called before the first step is recorded: fixes design and initial state.
     void begin(const Simulation& simulation);
     // The simulation after a step with this actuation.
-    void append(const Simulation& simulation, const std::vector<double>& actuation, const StepReport& report);
+    void append(const Simulation& simulation, const StepInput& input, const StepReport& report);
     // Whether the simulation stands where the tape ends.
     bool continues(const Simulation& simulation) const;
     // Remembers the controller that drives the steps from here on; all steps of a tape share one set of parameters.
@@ -40,6 +40,9 @@ public:
 
     const std::vector<double>& q(long step) const { return q_[static_cast<std::size_t>(step)]; }
     std::vector<double> v(long step) const;
+    // The integrator's state after `step` steps.
+    State state(long step) const;
+    const Vec3& current(long step) const { return current_[static_cast<std::size_t>(step)]; }
     const std::vector<double>& actuation(long step) const { return actuation_[static_cast<std::size_t>(step)]; }
     // Clock of the simulation when the first step was taken: controllers see step + first_step.
     long first_step() const { return first_step_; }
@@ -59,7 +62,9 @@ private:
     std::shared_ptr<const Design> design_;
     std::unique_ptr<Controller> controller_;
     std::vector<std::vector<double>> q_;
-    std::vector<double> v_first_;
+    std::vector<std::vector<double>> v_;  // of all states for a two-step integrator, else of the first alone
+    State before_first_;                  // its q_before and v_before
+    std::vector<Vec3> current_;
     std::vector<std::vector<double>> actuation_;
     long first_step_ = 0;
     Statistics statistics_;
@@ -83,8 +88,8 @@ public:
     std::vector<double> weights_bar();  // cached after the first call
     std::vector<double> control_bar() const;
     std::vector<double> actuation_bar() const;
-    const std::vector<double>& position_bar() const { return q_bar_; }
-    const std::vector<double>& velocity_bar() const { return v_bar_; }
+    const std::vector<double>& position_bar() const { return state_bar_.q; }
+    const std::vector<double>& velocity_bar() const { return state_bar_.v; }
 
     std::int64_t iterations() const { return iterations_; }
     double worst_residual() const { return worst_residual_; }
@@ -97,7 +102,8 @@ private:
     long position_;
     bool begun_ = false;
     std::vector<std::vector<double>> q_seed_, v_seed_;  // per state; empty: none
-    std::vector<double> q_bar_, v_bar_;
+    State state_bar_;                                   // running cotangents of the cursor's state
+    StepBar step_bar_;
     std::vector<std::vector<double>> signal_bar_;
     DesignBar bar_;
     std::vector<double> weights_bar_;

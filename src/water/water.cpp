@@ -97,11 +97,12 @@ void Water::add_to_nodes(const double* face_force, double* out, Threads threads)
     });
 }
 
-void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, Threads threads) const {
+void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
+                Threads threads) const {
     const std::size_t nf = faces_.size();
     ws.cd.resize(nf), ws.ct.resize(nf), ws.k.resize(nf), ws.n.resize(3 * nf), ws.area.resize(nf), ws.u.resize(3 * nf);
     ws.force.resize(3 * nf);
-    ws.spine = spine;
+    ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -112,7 +113,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double sign = f.weight >= 0 ? 0.5 : -0.5;
             for (double& x : a) x *= sign;
             const double area = std::sqrt(dot(a, a) + 1e-30);
-            const Vec3 u = minus(mean_of(v, f.nodes), settings_.current);
+            const Vec3 u = minus(mean_of(v, f.nodes), current);
             const double speed = std::sqrt(dot(u, u) + eps2);
             const double su = dot(spine, u), lateral2 = dot(u, u) - su * su;
             const double x = dot(a, u) / (area * speed);
@@ -126,18 +127,18 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     });
 }
 
-Vec3 Water::new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const {
-    const Vec3 d = minus(mean_of(q_new, f.nodes), mean_of(q_old, f.nodes));
-    return {d[0] * inv_h - settings_.current[0], d[1] * inv_h - settings_.current[1],
-            d[2] * inv_h - settings_.current[2]};
+Vec3 Water::new_velocity(const WaterWorkspace& ws, const Face& f, const double* q_new, const double* q_base,
+                         double inv_h) {
+    const Vec3 d = minus(mean_of(q_new, f.nodes), mean_of(q_base, f.nodes));
+    return {d[0] * inv_h - ws.current[0], d[1] * inv_h - ws.current[1], d[2] * inv_h - ws.current[2]};
 }
 
-double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, Threads threads,
+double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                        double* out) const {
     const double energy = parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
         double e = 0.0;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-            const Vec3 u = new_velocity(faces_[i], q_new, q_old, 1.0 / h);
+            const Vec3 u = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
             const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
             const double nu = dot(n, u);
             e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
@@ -162,12 +163,13 @@ void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threa
     add_to_nodes(ws.force.data(), out, threads);
 }
 
-void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_old, const double* lambda, double h,
-                     double* q_bar, double* v_bar, Vec3& spine_bar, double* occupancy_bar) const {
+void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
+                     const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
+                     Vec3& current_bar, double* occupancy_bar) const {
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];
-        const Vec3 un = new_velocity(f, q_new, q_old, 1.0 / h), l = mean_of(lambda, f.nodes);
+        const Vec3 un = new_velocity(ws, f, q_new, q_base, 1.0 / h), l = mean_of(lambda, f.nodes);
         const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i)), u = at(ws.u.data(), static_cast<int>(3 * i));
         const double area = ws.area[i], nl = dot(n, l), nun = dot(n, un);
         // phi = c_d l.u+ + c_t (n.l)(n.u+) + k n.l
@@ -199,16 +201,17 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ol
         Vec3 a_bar{};
         for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
         const double sign = f.weight >= 0 ? 0.5 : -0.5;
-        const Vec3 d1 = minus(at(q_old, f.nodes[2]), at(q_old, f.nodes[0])),
-                   d2 = minus(at(q_old, f.nodes[3]), at(q_old, f.nodes[1]));
+        const Vec3 d1 = minus(at(lag_q, f.nodes[2]), at(lag_q, f.nodes[0])),
+                   d2 = minus(at(lag_q, f.nodes[3]), at(lag_q, f.nodes[1]));
         Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
         for (std::size_t k = 0; k < 3; ++k) {
             d1_bar[k] *= sign, d2_bar[k] *= sign;
             const int kk = static_cast<int>(k);
             q_bar[f.nodes[2] + kk] += d1_bar[k], q_bar[f.nodes[0] + kk] -= d1_bar[k];
             q_bar[f.nodes[3] + kk] += d2_bar[k], q_bar[f.nodes[1] + kk] -= d2_bar[k];
+            current_bar[k] -= un_bar[k] + u_bar[k];
             for (const int node : f.nodes) {
-                q_bar[node + kk] -= 0.25 / h * un_bar[k];
+                q_base_bar[node + kk] -= 0.25 / h * un_bar[k];
                 v_bar[node + kk] += 0.25 * u_bar[k];
             }
         }
@@ -218,11 +221,11 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ol
     }
 }
 
-WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_old, double h) const {
+WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
     WaterTotals t;
     double wet = 0.0;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
-        const Vec3 u = new_velocity(faces_[i], q_new, q_old, 1.0 / h);
+        const Vec3 u = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
         const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
         t.drag = axpy(-ws.cd[i], u, t.drag);
         t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);

@@ -34,7 +34,7 @@ struct WaterWorkspace {
     std::vector<double> cd, ct, k, n;
     std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
     std::vector<double> force;    // [n_faces][3], scratch of gradient and product
-    Vec3 spine{};
+    Vec3 spine{}, current{};
 };
 
 struct WaterTotals {
@@ -50,18 +50,22 @@ public:
     int n_faces() const { return static_cast<int>(faces_.size()); }
     const WaterSettings& settings() const { return settings_; }
 
-    // Coefficients at the start of a step: q, v [n_nodes][3], spine direction (unit).
-    void lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, Threads threads) const;
-    // Value of the incremental potential, and out += its gradient with respect to q_new. h: time step (s).
-    double gradient(WaterWorkspace& ws, const double* q_new, const double* q_old, double h, Threads threads,
+    // Coefficients of the lagged state q, v [n_nodes][3] with its spine direction (unit), in water that moves with
+    // `current` (m/s) during the step.
+    void lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
+             Threads threads) const;
+    // Value of the incremental potential, and out += its gradient with respect to q_new. The new velocity is
+    // (q_new - q_base) / h.
+    double gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                     double* out) const;
     // out += H p.
     void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
-    // Cotangents of lambda . gradient (q_new held): added to q_bar, v_bar (of the start of the step), spine_bar and
-    // occupancy_bar [n_active_cells].
-    void pullback(WaterWorkspace& ws, const double* q_new, const double* q_old, const double* lambda, double h,
-                  double* q_bar, double* v_bar, Vec3& spine_bar, double* occupancy_bar) const;
-    WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_old, double h) const;
+    // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
+    // positions) q_bar, v_bar and spine_bar, current_bar, and occupancy_bar [n_active_cells].
+    void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
+                  const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
+                  Vec3& current_bar, double* occupancy_bar) const;
+    WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
 
 private:
     struct Face {
@@ -70,7 +74,8 @@ private:
         double weight = 0.0;                // signed: > 0 if the low side is fuller
         double weight_derivative = 0.0;     // d|weight| / d(dG), dG = G_low - G_high
     };
-    Vec3 new_velocity(const Face& f, const double* q_new, const double* q_old, double inv_h) const;
+    static Vec3 new_velocity(const WaterWorkspace& ws, const Face& f, const double* q_new, const double* q_base,
+                             double inv_h);
     void add_to_nodes(const double* face_force, double* out, Threads threads) const;
 
     WaterSettings settings_;

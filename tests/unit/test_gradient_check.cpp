@@ -23,7 +23,7 @@ void check_all(const Vector& weights, bool moving) {
         for (int k = 0; k < 3; ++k) {
             double a = 0.0;
             controller.evaluate(k, &a);
-            s.step(&a);
+            s.step({&a, s.design().scene().hydrodynamics.current});
         }
     }
     const Vector q(s.q()), v(s.v());

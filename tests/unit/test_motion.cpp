@@ -54,7 +54,8 @@ void test_methods_agree() {
     double worst = 0.0;
     for (int k = 0; k < 6; ++k) {
         const double signal = std::sin(0.6 * k + 0.5);
-        const StepReport a = pcg.step(&signal), b = direct.step(&signal);
+        const StepReport a = pcg.step({&signal, pcg.design().scene().hydrodynamics.current}),
+                         b = direct.step({&signal, direct.design().scene().hydrodynamics.current});
         CHECK(a.residual <= 1e-10 && b.residual <= 1e-10 && a.inverted == 0);
         CHECK(a.newton_iterations <= 12 && a.linear_iterations > a.newton_iterations);
         CHECK(b.linear_iterations == b.newton_iterations);
@@ -82,7 +83,7 @@ void test_conservation() {
     const double first = before, size = std::sqrt(start[0] * start[0] + start[1] * start[1] + start[2] * start[2]);
     CHECK(size > 1.0);
     for (int k = 0; k < 20; ++k) {
-        s.step(none.data());
+        s.step({none.data(), s.design().scene().hydrodynamics.current});
         const Vec3 p = momentum(s);
         for (std::size_t a = 0; a < 3; ++a) worst = std::max(worst, std::fabs(p[a] - start[a]) / size);
         const double now = energy(s, none);
@@ -103,7 +104,7 @@ void test_muscles_conserve_momentum() {
     Simulation s(design_of(scene));
     for (int k = 0; k < 6; ++k) {
         const double signal = k % 2 ? -1.0 : 1.0;
-        s.step(&signal);
+        s.step({&signal, s.design().scene().hydrodynamics.current});
     }
     const Vec3 p = momentum(s);
     double size = 0.0;
@@ -124,7 +125,7 @@ void test_first_order() {
         const Vector v = swirl(s.q(), 0.5);
         s.set_state(nullptr, v.data());
         const double signal = 0.4;
-        for (int k = 0; k < steps; ++k) s.step(&signal);
+        for (int k = 0; k < steps; ++k) s.step({&signal, s.design().scene().hydrodynamics.current});
         return s.q();
     };
     const Vector reference = run(640);
@@ -146,7 +147,8 @@ void test_translation_invariance() {
     here.set_state(nullptr, v.data()), there.set_state(shifted.data(), v.data());
     for (int k = 0; k < 5; ++k) {
         const double signal = std::sin(0.6 * k + 0.5);
-        const StepReport a = here.step(&signal), b = there.step(&signal);
+        const StepReport a = here.step({&signal, here.design().scene().hydrodynamics.current}),
+                         b = there.step({&signal, there.design().scene().hydrodynamics.current});
         CHECK(std::abs(a.newton_iterations - b.newton_iterations) <= 1 && b.residual < 1e-9);
     }
     const Vector moved = plus(here.q(), -1.0, design->rest()), moved_there = plus(there.q(), -1.0, shifted);

@@ -32,7 +32,8 @@ double relative_residual(const Design& design, const Vector& q, const Vector& v,
     Vector elastic(q.size()), muscle(q.size()), flow(q.size(), 0.0), inertia(q.size());
     design.body().gradient(body, q_new.data(), signals.data(), 1, elastic.data(), muscle.data());
     if (design.water()) {
-        design.water()->lag(water, q.data(), v.data(), design.sensors().direction(q.data()), 1);
+        design.water()->lag(water, q.data(), v.data(), design.sensors().direction(q.data()),
+                            design.scene().hydrodynamics.current, 1);
         design.water()->gradient(water, q_new.data(), q.data(), h, 1, flow.data());
     }
     for (std::size_t i = 0; i < q.size(); ++i)
@@ -46,7 +47,7 @@ bool step_or_status(Simulation& s, const Vector& signals, double tolerance) {
     const Vector q(s.q()), v(s.v());
     const long steps = s.steps();
     try {
-        s.step(signals.data());
+        s.step({signals.data(), s.design().scene().hydrodynamics.current});
     } catch (const Error& e) {
         CHECK(e.status() == Status::NOT_CONVERGED || e.status() == Status::DIVERGED);
         for (const char* part : {"step", "residual", "cell"}) CHECK(std::strstr(e.what(), part));
@@ -155,12 +156,13 @@ void test_max_newton() {
     const Vector q(s.q()), v = swirl(q, 2.0);
     s.set_state(nullptr, v.data());
     const double signal = 1.0;
-    EXPECT_ERROR(NOT_CONVERGED, "step 0: Newton's method reached max_newton; relative force residual", s.step(&signal));
-    EXPECT_ERROR(NOT_CONVERGED, "worst at cell ", s.step(&signal));
+    EXPECT_ERROR(NOT_CONVERGED, "step 0: Newton's method reached max_newton; relative force residual",
+                 s.step({&signal, s.design().scene().hydrodynamics.current}));
+    EXPECT_ERROR(NOT_CONVERGED, "worst at cell ", s.step({&signal, s.design().scene().hydrodynamics.current}));
     CHECK(s.q() == q && s.v() == v && s.steps() == 0);
     // The cell is one of the scene's.
     try {
-        s.step(&signal);
+        s.step({&signal, s.design().scene().hydrodynamics.current});
     } catch (const Error& e) {
         const int cell = std::atoi(std::strstr(e.what(), "cell ") + 5);
         CHECK(cell >= 0 && cell < space()->box().n_cells());
@@ -185,18 +187,20 @@ void test_non_finite_states() {
         Vector q(rest), v(rest.size(), 0.0);
         q[7] = bad;
         s.set_state(q.data(), nullptr);
-        EXPECT_ERROR(DIVERGED, "step 0: the state is not finite", s.step(&signal));
+        EXPECT_ERROR(DIVERGED, "step 0: the state is not finite",
+                     s.step({&signal, s.design().scene().hydrodynamics.current}));
         v[5] = bad;
         s.set_state(nullptr, v.data());
-        EXPECT_ERROR(DIVERGED, "step 0: the state is not finite", s.step(&signal));
+        EXPECT_ERROR(DIVERGED, "step 0: the state is not finite",
+                     s.step({&signal, s.design().scene().hydrodynamics.current}));
         CHECK(s.q() == rest);
     }
     // And on from there.
     s.set_state(nullptr, nullptr);
-    s.step(&signal);
+    s.step({&signal, s.design().scene().hydrodynamics.current});
     CHECK(all_finite(s.q()));
     const double not_a_number = std::nan("");
-    EXPECT_ERROR(DIVERGED, "step 1", s.step(&not_a_number));
+    EXPECT_ERROR(DIVERGED, "step 1", s.step({&not_a_number, s.design().scene().hydrodynamics.current}));
 }
 
 void test_cancel() {
@@ -205,10 +209,10 @@ void test_cancel() {
     Simulation s(design_of(scene));
     const Vector q(s.q());
     const double signal = 1.0;
-    EXPECT_ERROR(CANCELLED, "step 0", s.step(&signal));
+    EXPECT_ERROR(CANCELLED, "step 0", s.step({&signal, s.design().scene().hydrodynamics.current}));
     CHECK(s.q() == q);
     scene.cancel->store(0);
-    s.step(&signal);
+    s.step({&signal, s.design().scene().hydrodynamics.current});
     CHECK(s.q() != q);
 }
 

@@ -17,13 +17,29 @@ struct Cotangents {
     AdjointReport report;
 };
 
+StepInput input_of(const std::shared_ptr<const Design>& design, const double* signal) {
+    return {signal, design->scene().hydrodynamics.current};
+}
+
 Cotangents adjoint_of(const std::shared_ptr<const Design>& design, const Vector& q, const Vector& v, double signal,
                       const Vector& q_new, const Vector& q_new_bar) {
     Stepper stepper(design);
-    Cotangents c{Vector(q.size(), 0.0), Vector(q.size(), 0.0), {0.0}, design->zero_bar(), {}};
-    c.report = stepper.adjoint(q.data(), v.data(), &signal, q_new.data(), 0, q_new_bar.data(), c.q.data(), c.v.data(),
-                               c.signal.data(), c.design);
+    Cotangents c;
+    c.design = design->zero_bar();
+    StepBar out;
+    const State next_bar{q_new_bar, Vector(q.size(), 0.0), {}, {}};
+    c.report =
+        stepper.adjoint({q, v, {}, {}}, input_of(design, &signal), {q_new, v, {}, {}}, 0, next_bar, out, c.design);
+    c.q = out.state.q, c.v = out.state.v, c.signal = out.signals;
     return c;
+}
+
+StepReport step_of(Stepper& stepper, const Vector& q, const Vector& v, double signal, Vector& q_new) {
+    State next;
+    const StepReport report =
+        stepper.step({q, v, {}, {}}, {&signal, stepper.design().scene().hydrodynamics.current}, 0, next);
+    q_new = next.q;
+    return report;
 }
 
 SceneSettings scene_of(Method method) {
@@ -39,14 +55,14 @@ void check_step(const std::shared_ptr<const Design>& design, const Vector& q, co
     Random random{seed};
     Stepper stepper(design);
     Vector q_new(q.size());
-    const StepReport report = stepper.step(q.data(), v.data(), &signal, 0, q_new.data());
+    const StepReport report = step_of(stepper, q, v, signal, q_new);
     CHECK(report.inverted == 0);
     const Vector bar = random_vector(q.size(), random);
     const Cotangents c = adjoint_of(design, q, v, signal, q_new, bar);
     CHECK(!c.report.direct && c.report.residual <= 1e-12 && c.report.linear_iterations > 0);
     const auto value = [&](const Vector& q_old, const Vector& vel, double s) {
         Vector out(q.size());
-        stepper.step(q_old.data(), vel.data(), &s, 0, out.data());
+        step_of(stepper, q_old, vel, s, out);
         return dot_of(bar, plus(out, -1.0, q_new));  // the difference: a sum of all positions would drown in rounding
     };
     const Vector dq = random_vector(q.size(), random, 0.002), dv = random_vector(q.size(), random, 0.1);
@@ -67,6 +83,87 @@ void test_against_differences() {
     report_worst("step");
 }
 
+// Everything a step reads, along random directions: a two-step step, constrained coordinates, both.
+void check_state(const SceneSettings& scene, std::uint64_t seed) {
+    const auto design = make_design(scene, {0.6, 0.4}, space());
+    Random random{seed};
+    const std::size_t n = design->rest().size();
+    State now;
+    now.q = plus(design->rest(), 0.002, random_vector(n, random)), now.v = swirl(now.q, 0.4);
+    if (scene.integrator == Integrator::bdf2) {
+        now.q_before = plus(now.q, -scene.time_step, swirl(now.q, 0.35));
+        now.v_before = swirl(now.q, 0.35);
+    }
+    const double signal = 0.6;
+    const Vec3 current = scene.hydrodynamics.current;
+    Stepper stepper(design);
+    State next;
+    const StepReport report = stepper.step(now, {&signal, current}, 0, next);
+    CHECK(report.inverted == 0);
+    for (const int c : design->constrained()) {
+        const std::size_t i = static_cast<std::size_t>(c);
+        CHECK(next.q[i] == now.q[i] && next.v[i] == 0.0);
+    }
+    State bar;
+    bar.q = random_vector(n, random), bar.v = random_vector(n, random, 0.05);
+    if (scene.integrator == Integrator::bdf2)
+        bar.q_before = random_vector(n, random), bar.v_before = random_vector(n, random, 0.05);
+    StepBar out;
+    DesignBar design_bar = design->zero_bar();
+    stepper.adjoint(now, {&signal, current}, next, 0, bar, out, design_bar);
+    const auto change = [](const Vector& b, const Vector& x, const Vector& x0) {
+        return b.empty() ? 0.0 : dot_of(b, plus(x, -1.0, x0));
+    };
+    const auto value = [&](const State& from, double s, const Vec3& c) {
+        State to;
+        stepper.step(from, {&s, c}, 0, to);
+        return change(bar.q, to.q, next.q) + change(bar.v, to.v, next.v) +
+               change(bar.q_before, to.q_before, next.q_before) + change(bar.v_before, to.v_before, next.v_before);
+    };
+    const auto check = [&](Vector State::*field, double size, double step) {
+        if ((now.*field).empty()) return;
+        const Vector d = random_vector(n, random, size);
+        CHECK_DERIVATIVE(
+            [&](double e) {
+                State from = now;
+                from.*field = plus(now.*field, e, d);
+                return value(from, signal, current);
+            },
+            dot_of(out.state.*field, d), step);
+    };
+    check(&State::q, 0.002, 0.2);
+    check(&State::v, 0.1, 0.1);
+    check(&State::q_before, 0.002, 0.2);
+    check(&State::v_before, 0.1, 0.1);
+    CHECK_DERIVATIVE([&](double e) { return value(now, signal + e, current); }, out.signals[0], 0.2);
+    const Vec3 d = {0.3, 0.5, -0.2};
+    CHECK_DERIVATIVE(
+        [&](double e) {
+            return value(now, signal, {current[0] + e * d[0], current[1] + e * d[1], current[2] + e * d[2]});
+        },
+        out.current[0] * d[0] + out.current[1] * d[1] + out.current[2] * d[2], 0.1);
+}
+
+void test_two_steps_and_constraints() {
+    SceneSettings scene = scene_of(Method::newton_pcg);
+    check_state(scene, 21);
+    scene.integrator = Integrator::bdf2;
+    check_state(scene, 22);
+    scene.planar = true;
+    check_state(scene, 23);
+    scene.integrator = Integrator::implicit_euler;
+    const Box& box = space()->box();
+    for (int j = 0; j <= box.cells[1]; ++j)
+        for (int k = 0; k <= box.cells[2]; ++k) scene.fixed_nodes.push_back(box.node(box.cells[0] / 2, j, k));
+    check_state(scene, 24);
+    scene.planar = false;
+    scene.integrator = Integrator::bdf2;
+    check_state(scene, 25);
+    scene.method = Method::newton_direct;
+    check_state(scene, 26);
+    report_worst("two-step and constrained steps");
+}
+
 // CHOLMOD or LDL^T instead of conjugate gradients; also the parts that only differences in alpha can reach.
 void test_methods_agree() {
     const auto pcg = make_design(scene_of(Method::newton_pcg), {0.6, 0.4}, space());
@@ -76,7 +173,7 @@ void test_methods_agree() {
     const double signal = 0.8;
     Stepper stepper(direct);
     Vector q_new(v.size());
-    stepper.step(direct->rest().data(), v.data(), &signal, 0, q_new.data());
+    step_of(stepper, direct->rest(), v, signal, q_new);
     const Cotangents a = adjoint_of(pcg, pcg->rest(), v, signal, q_new, bar);
     const Cotangents b = adjoint_of(direct, direct->rest(), v, signal, q_new, bar);
     CHECK(b.report.direct && b.report.linear_iterations == 0 && b.report.residual <= 1e-9);
@@ -114,7 +211,7 @@ void test_special_seeds() {
     Stepper stepper(design);
     Vector q_new(v.size());
     const double signal = 0.5;
-    stepper.step(design->rest().data(), v.data(), &signal, 0, q_new.data());
+    step_of(stepper, design->rest(), v, signal, q_new);
     const Cotangents zero = adjoint_of(design, design->rest(), v, signal, q_new, bar);
     CHECK(norm_of(zero.q) == 0.0 && norm_of(zero.design.mu) == 0.0 && zero.report.linear_iterations == 0);
     bar[4] = std::nan("");
@@ -125,9 +222,8 @@ void test_special_seeds() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_against_differences),
-        TEST(test_methods_agree),
-        TEST(test_indefinite_hessian),
+        TEST(test_against_differences), TEST(test_two_steps_and_constraints),
+        TEST(test_methods_agree),       TEST(test_indefinite_hessian),
         TEST(test_special_seeds),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

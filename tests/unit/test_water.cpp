@@ -63,7 +63,7 @@ void test_one_cell_against_the_law() {
             const Water w = s.water();
             CHECK(w.n_faces() == 6);
             WaterWorkspace ws;
-            w.lag(ws, s.q.data(), s.v.data(), s.spine, 1);
+            w.lag(ws, s.q.data(), s.v.data(), s.spine, w.settings().current, 1);
             const Vector q_new = plus(s.q, kStep, s.v);
             const WaterTotals t = w.totals(ws, q_new.data(), s.q.data(), kStep);
             Vector force(24, 0.0);
@@ -103,7 +103,7 @@ void test_binary_surface_area() {
     const Water w = s.water();
     WaterWorkspace ws;
     const Vector v(s.rest.size(), 1.0);
-    w.lag(ws, s.rest.data(), v.data(), s.spine, 1);
+    w.lag(ws, s.rest.data(), v.data(), s.spine, w.settings().current, 1);
     const WaterTotals t = w.totals(ws, plus(s.rest, kStep, v).data(), s.rest.data(), kStep);
     CHECK(quadrilaterals > 100 && t.drag[0] < 0);
     NEAR(t.drag[0] / t.mean_drag[0], quadrilaterals * 0.01, quadrilaterals * 0.01 * 2 * eps);
@@ -116,7 +116,7 @@ void test_potential_and_hessian() {
     const Water w = s.water();
     WaterWorkspace ws;
     Random random{7};
-    w.lag(ws, s.q.data(), s.v.data(), s.spine, 1);
+    w.lag(ws, s.q.data(), s.v.data(), s.spine, w.settings().current, 1);
     const Vector q_new = plus(s.q, kStep, random_vector(s.q.size(), random));
     const Vector p = random_vector(s.q.size(), random, 0.01), r = random_vector(s.q.size(), random, 0.01);
     Vector g(s.q.size(), 0.0), scratch(g), hp(g), hr(g);
@@ -150,10 +150,11 @@ void check_pullback(const Sample& s, const Vector& v, bool velocity_matters, std
     WaterWorkspace ws;
     const Vector q_new = plus(plus(s.q, kStep, v), kStep, random_vector(s.q.size(), random, 0.4));
     const Vector lambda = random_vector(s.q.size(), random);
-    w.lag(ws, s.q.data(), v.data(), s.spine, 1);
+    w.lag(ws, s.q.data(), v.data(), s.spine, w.settings().current, 1);
     Vector q_bar(s.q.size(), 0.0), v_bar(q_bar), g_bar(s.occupancy.size(), 0.0);
-    Vec3 spine_bar{};
-    w.pullback(ws, q_new.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), v_bar.data(), spine_bar, g_bar.data());
+    Vec3 spine_bar{}, current_bar{};
+    w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(), v_bar.data(),
+               spine_bar, current_bar, g_bar.data());
     const auto value = [&](const Vector& q_old, const Vector& vel, const Vec3& spine, const Vector& g) {
         return dot_of(lambda, s.gradient(q_new, q_old, vel, spine, g));
     };
@@ -177,6 +178,14 @@ void check_pullback(const Sample& s, const Vector& v, bool velocity_matters, std
             return value(s.q, v, {s.spine[0] + e * ds[0], s.spine[1] + e * ds[1], s.spine[2] + e * ds[2]}, s.occupancy);
         },
         dot3(spine_bar, ds), 1e-2);
+    const Vec3 dc = {0.2, 0.3, -0.4};
+    CHECK_DERIVATIVE(
+        [&](double e) {
+            Sample moved = s;
+            for (std::size_t k = 0; k < 3; ++k) moved.settings.current[k] += e * dc[k];
+            return dot_of(lambda, moved.gradient(q_new, s.q, v, s.spine, s.occupancy));
+        },
+        dot3(current_bar, dc), 1e-3);
 }
 
 void test_pullback() {

@@ -17,13 +17,13 @@ void test_drag_opposes_motion() {
         const Vec3 u = {random(), random(), random()};
         for (std::size_t i = 0; i < v.size(); ++i) v[i] = u[i % 3];
         WaterWorkspace ws;
-        w.lag(ws, s.q.data(), v.data(), s.spine, 1);
+        w.lag(ws, s.q.data(), v.data(), s.spine, w.settings().current, 1);
         const WaterTotals t = w.totals(ws, plus(s.q, kStep, v).data(), s.q.data(), kStep);
         CHECK(dot3(t.drag, u) < -0.9 * std::sqrt(dot3(t.drag, t.drag) * dot3(u, u)));
         CHECK(dot3(t.mean_drag, u) < 0);
         // Twice the speed: four times the force, once past the rounding of the speed.
         const Vector fast = plus(v, 1.0, v);
-        w.lag(ws, s.q.data(), fast.data(), s.spine, 1);
+        w.lag(ws, s.q.data(), fast.data(), s.spine, w.settings().current, 1);
         const WaterTotals t2 = w.totals(ws, plus(s.q, kStep, fast).data(), s.q.data(), kStep);
         NEAR(dot3(t2.drag, u) / dot3(t.drag, u), 4.0, 4.0 * 1e-4 / dot3(u, u) + 1e-3);
     }
@@ -57,13 +57,13 @@ void test_head_on_flow_is_finite() {
         }
         const Water w = s.water();
         WaterWorkspace ws;
-        w.lag(ws, s.q.data(), v.data(), s.spine, 1);
+        w.lag(ws, s.q.data(), v.data(), s.spine, w.settings().current, 1);
         const Vector q_new = plus(s.q, kStep, v), lambda = random_vector(s.q.size(), random);
         Vector out(s.q.size(), 0.0), q_bar(out), v_bar(out), g_bar(30, 0.0);
-        Vec3 spine_bar{};
+        Vec3 spine_bar{}, current_bar{};
         CHECK(std::isfinite(w.gradient(ws, q_new.data(), s.q.data(), kStep, 1, out.data())));
-        w.pullback(ws, q_new.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), v_bar.data(), spine_bar,
-                   g_bar.data());
+        w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(),
+                   v_bar.data(), spine_bar, current_bar, g_bar.data());
         CHECK(all_finite(out) && all_finite(q_bar) && all_finite(v_bar) && all_finite(g_bar));
         CHECK(std::isfinite(dot3(spine_bar, {1, 1, 1})));
         if (speed > 0.1 && axis == 1) {  // drag of a plate: both sides, Cd about 2, and little at the rim
@@ -82,7 +82,7 @@ void test_threads_give_the_same_bits() {
     const auto run = [&](int threads) {
         const Water w = s.water();
         WaterWorkspace ws;
-        w.lag(ws, s.q.data(), s.v.data(), s.spine, threads);
+        w.lag(ws, s.q.data(), s.v.data(), s.spine, w.settings().current, threads);
         Vector out(2 * s.q.size() + 1, 0.0);
         out.back() = w.gradient(ws, plus(s.q, 0.03, s.v).data(), s.q.data(), kStep, threads, out.data());
         w.product(ws, s.v.data(), kStep, threads, out.data() + s.q.size());

@@ -32,7 +32,7 @@ struct Sample {
     Vector gradient(const Vector& q_new, const Vector& q_old, const Vector& vel, const Vec3& s, const Vector& g) const {
         const Water w(set, g, settings);
         WaterWorkspace ws;
-        w.lag(ws, q_old.data(), vel.data(), s, 1);
+        w.lag(ws, q_old.data(), vel.data(), s, w.settings().current, 1);
         Vector out(q_old.size(), 0.0);
         w.gradient(ws, q_new.data(), q_old.data(), kStep, 1, out.data());
         return out;
