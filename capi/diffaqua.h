@@ -100,7 +100,8 @@ typedef struct dqa_shape_space dqa_shape_space;
 typedef struct dqa_shape_space_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */
-    int32_t dims;            /* 3; 2 gives DQA_ERROR_UNSUPPORTED in this version */
+    int32_t dims;            /* 3 (default), or 2: the plane x heading, y lateral, in plane strain; masses and forces are
+                                those of a slab one cell thick, and cells_z counts as 1 whatever it is */
     int32_t cells_x;         /* number of cells along x, y, z; each in [8, 512]; default 60, 16, 26 */
     int32_t cells_y;
     int32_t cells_z;
@@ -288,14 +289,15 @@ DQA_API dqa_status dqa_simulator_sensors(const dqa_simulator *simulator, double 
 /* Hydrodynamic totals of the last step, [4][dims]: drag force, thrust force (N, on the swimmer), then their means
  * weighted by face area (N/m^2 of wet surface). Zero before the first step. */
 DQA_API dqa_status dqa_simulator_forces(const dqa_simulator *simulator, double *forces, int64_t n);
-/* Isosurface of density at half its peak, a closed triangle mesh carried by the current state. Call with NULL buffers
- * to learn the counts: n_vertices and n_triangles receive them (rows; either may be NULL). vertices [n_vertices][3],
- * triangles [n_triangles][3]; nv and nt count elements of the buffers. */
+/* Isosurface of density at half its peak, carried by the current state: a closed triangle mesh, in two dimensions closed
+ * polygons. Call with NULL buffers to learn the counts: n_vertices and n_elements receive them (rows; either may be
+ * NULL). vertices [n_vertices][dims]; elements [n_elements][dims]: triangles, counter-clockwise seen from outside, or
+ * segments with the body to their left. nv and ne count elements of the buffers. */
 DQA_API dqa_status dqa_simulator_surface(const dqa_simulator *simulator, double *vertices, int64_t nv,
-                                         int32_t *triangles, int64_t nt, int64_t *n_vertices, int64_t *n_triangles);
-/* The simulated cells: nodes of each [n_active_cells][8] (corner = 4 ix + 2 iy + iz), index of each in the box
- * [n_active_cells], occupancy of each [n_active_cells] (> 0; 1 at the density's peak, a little more above it). NULL: not
- * wanted. */
+                                         int32_t *elements, int64_t ne, int64_t *n_vertices, int64_t *n_elements);
+/* The simulated cells: nodes of each [n_active_cells][2^dims] (corner = 4 ix + 2 iy + iz; in two dimensions 2 ix + iy),
+ * index of each in the box [n_active_cells], occupancy of each [n_active_cells] (> 0; 1 at the density's peak, a little
+ * more above it). NULL: not wanted. */
 DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *cell_nodes, int64_t n_cell_nodes,
                                       int32_t *cell_box_index, int64_t n_cells, double *occupancy,
                                       int64_t n_occupancy);
@@ -330,7 +332,7 @@ DQA_API dqa_status dqa_tape_n_steps(const dqa_tape *tape, int64_t *n_steps);
 DQA_API dqa_status dqa_tape_get_state(dqa_tape *tape, int64_t step, double *q, int64_t nq, double *v, int64_t nv);
 /* Actuation [n_signals] used in step `step`, in [0, n_steps). */
 DQA_API dqa_status dqa_tape_get_actuation(dqa_tape *tape, int64_t step, double *actuation, int64_t n);
-/* Vertices of the isosurface [n_vertices][3] carried by the state after `step` steps; triangles as in
+/* Vertices of the isosurface [n_vertices][dims] carried by the state after `step` steps; triangles as in
  * dqa_simulator_surface for the same design. */
 DQA_API dqa_status dqa_tape_get_surface(dqa_tape *tape, int64_t step, double *vertices, int64_t nv);
 

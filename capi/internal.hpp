@@ -130,6 +130,10 @@ void write_struct(T* out, std::uint64_t size, T value, const char* name) {
 // Copies to the caller's buffer if there is one, after its count was checked.
 void copy_out(const double* from, std::size_t n, double* to, std::int64_t count, const char* name, const char* shape);
 
+// Fields over points, [n][3] inside and [n][dims] at the boundary: in two dimensions z is 0.
+std::vector<double> points_in(const double* from, std::int64_t n, int dims);
+void points_out(const double* from, std::size_t n_points, int dims, double* to);
+
 // Throws CANCELLED when the token is set.
 void check_cancel(const std::shared_ptr<std::atomic<int>>& flag);
 // A monitor of the barycentre that reports percent of the way to the tolerance (on the logarithm of the error).

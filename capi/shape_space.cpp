@@ -32,17 +32,18 @@ dqa_shape_space_options default_options() {
 
 dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.flags, o.flags == 0, "flags", "0");
-    if (o.dims == 2) fail(Status::ERROR_UNSUPPORTED, "dims is 2, expected 3: planar spaces are not in this version");
-    require_range(o.dims, o.dims == 3, "dims", "3");
+    require_range(o.dims, o.dims == 2 || o.dims == 3, "dims", "2 or 3");
+    const int cells_z = o.dims == 2 ? 1 : o.cells_z;
     require_range(o.cells_x, o.cells_x >= 8 && o.cells_x <= 512, "cells_x", "a number of cells in [8, 512]");
     require_range(o.cells_y, o.cells_y >= 8 && o.cells_y <= 512, "cells_y", "a number of cells in [8, 512]");
-    require_range(o.cells_z, o.cells_z >= 8 && o.cells_z <= 512, "cells_z", "a number of cells in [8, 512]");
+    if (o.dims == 3)
+        require_range(o.cells_z, o.cells_z >= 8 && o.cells_z <= 512, "cells_z", "a number of cells in [8, 512]");
     require_range(o.margin, o.margin >= 1 && o.margin <= 256 && 2 * o.margin < o.cells_x, "margin",
                   "at least 1 and less than half of cells_x");
-    require_range(
-        o.margin_across,
-        o.margin_across >= 0 && o.margin_across <= 256 && 2 * o.margin_across < std::min(o.cells_y, o.cells_z),
-        "margin_across", "at least 0 and less than half of cells_y and cells_z");
+    require_range(o.margin_across,
+                  o.margin_across >= 0 && o.margin_across <= 256 && 2 * o.margin_across < o.cells_y &&
+                      (o.dims == 2 || 2 * o.margin_across < o.cells_z),
+                  "margin_across", "at least 0 and less than half of cells_y and cells_z");
     require_range(o.padding, o.padding == 0, "padding", "0");
     require_range(o.up, o.up >= DQA_UP_AUTO && o.up <= DQA_UP_Y, "up", "one of DQA_UP_AUTO, DQA_UP_Z, DQA_UP_Y");
     require_range(o.subsamples, o.subsamples >= 1 && o.subsamples <= 16, "subsamples", "a number in [1, 16]");
@@ -55,7 +56,8 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.sigma, o.sigma >= 0.2 && o.sigma <= 16, "sigma", "a width in [0.2, 16] cells");
     require_range(o.tolerance, o.tolerance > 0, "tolerance", "a number > 0");
     dqa::ShapeSettings s;
-    s.cells = {o.cells_x, o.cells_y, o.cells_z};
+    s.dims = o.dims;
+    s.cells = {o.cells_x, o.cells_y, cells_z};
     s.margin = o.margin, s.margin_across = o.margin_across, s.up = o.up, s.subsamples = o.subsamples;
     s.peak = static_cast<dqa::Peak>(o.peak);
     s.max_iterations = o.max_iterations, s.threads = o.threads;
@@ -228,7 +230,7 @@ dqa_status dqa_shape_space_get_info(const dqa_shape_space* space, dqa_shape_spac
         require(space, "space");
         const dqa::ShapeSpace& core = *space->core;
         dqa_shape_space_info i{};
-        i.dims = 3;
+        i.dims = core.box().dims;
         i.cells_x = core.box().cells[0], i.cells_y = core.box().cells[1], i.cells_z = core.box().cells[2];
         i.n_bases = static_cast<int32_t>(core.bases().size());
         i.n_signals = static_cast<int32_t>(core.categories().size());

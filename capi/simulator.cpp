@@ -171,10 +171,11 @@ dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_
     return guard([&] {
         require(simulator, "simulator");
         dqa_simulator_info i{};
-        i.dims = 3;
+        const int dims = simulator->space->box().dims;
+        i.dims = dims;
         i.n_bases = static_cast<int32_t>(simulator->space->bases().size());
         i.n_signals = static_cast<int32_t>(simulator->space->categories().size());
-        i.n_sensors = 18;
+        i.n_sensors = 6 * dims;
         i.cell_size = simulator->space->box().dx;
         if (simulator->simulation) {
             const dqa::Design& d = simulator->simulation->design();
@@ -251,19 +252,25 @@ dqa_status dqa_simulator_rollout(dqa_simulator* simulator, dqa_controller* contr
 dqa_status dqa_simulator_get_state(const dqa_simulator* simulator, double* q, int64_t nq, double* v, int64_t nv) {
     return guard([&] {
         const dqa::Simulation& s = design_of(simulator);
-        if (q) require_count(nq, static_cast<int64_t>(s.q().size()), "nq", "q [n_nodes][dims]");
-        if (v) require_count(nv, static_cast<int64_t>(s.v().size()), "nv", "v [n_nodes][dims]");
-        copy_out(s.q().data(), s.q().size(), q, nq, "nq", "q [n_nodes][dims]");
-        copy_out(s.v().data(), s.v().size(), v, nv, "nv", "v [n_nodes][dims]");
+        const int dims = s.design().set().box.dims;
+        const int64_t n = static_cast<int64_t>(s.design().n_nodes()) * dims;
+        if (q) require_count(nq, n, "nq", "q [n_nodes][dims]");
+        if (v) require_count(nv, n, "nv", "v [n_nodes][dims]");
+        points_out(s.q().data(), s.q().size() / 3, dims, q);
+        points_out(s.v().data(), s.v().size() / 3, dims, v);
     });
 }
 
 dqa_status dqa_simulator_set_state(dqa_simulator* simulator, const double* q, int64_t nq, const double* v, int64_t nv) {
     return guard([&] {
-        const int64_t n = static_cast<int64_t>(design_of(simulator).q().size());
+        const dqa::Design& design = design_of(simulator).design();
+        const int dims = design.set().box.dims;
+        const int64_t n = static_cast<int64_t>(design.n_nodes()) * dims;
         if (q) require_count(nq, n, "nq", "q [n_nodes][dims]"), require_finite(q, nq, "q");
         if (v) require_count(nv, n, "nv", "v [n_nodes][dims]"), require_finite(v, nv, "v");
-        simulator->simulation->set_state(q, v);
+        const auto positions = q ? points_in(q, nq, dims) : std::vector<double>();
+        const auto velocities = v ? points_in(v, nv, dims) : std::vector<double>();
+        simulator->simulation->set_state(q ? positions.data() : nullptr, v ? velocities.data() : nullptr);
     });
 }
 
@@ -271,45 +278,50 @@ dqa_status dqa_simulator_sensors(const dqa_simulator* simulator, double* sensors
     return guard([&] {
         const dqa::Simulation& s = design_of(simulator);
         require(sensors, "sensors");
-        require_count(n, 18, "n", "sensors [2][3][dims]");
+        const int dims = s.design().set().box.dims;
+        require_count(n, 6 * dims, "n", "sensors [2][3][dims]");
         for (int k = 0; k < 3; ++k) {
             const dqa::Vec3 x = s.design().sensors().read(k, s.q().data()),
                             u = s.design().sensors().read(k, s.v().data());
-            for (std::size_t a = 0; a < 3; ++a)
-                sensors[3 * k + static_cast<int>(a)] = x[a], sensors[9 + 3 * k + static_cast<int>(a)] = u[a];
+            points_out(x.data(), 1, dims, sensors + k * dims);
+            points_out(u.data(), 1, dims, sensors + (3 + k) * dims);
         }
     });
 }
 
 dqa_status dqa_simulator_forces(const dqa_simulator* simulator, double* forces, int64_t n) {
     return guard([&] {
-        const dqa::WaterTotals& t = design_of(simulator).forces();
+        const dqa::Simulation& s = design_of(simulator);
+        const dqa::WaterTotals& t = s.forces();
         require(forces, "forces");
-        require_count(n, 12, "n", "forces [4][dims]");
-        for (std::size_t a = 0; a < 3; ++a)
-            forces[a] = t.drag[a], forces[3 + a] = t.thrust[a], forces[6 + a] = t.mean_drag[a],
-            forces[9 + a] = t.mean_thrust[a];
+        const int dims = s.design().set().box.dims;
+        require_count(n, 4 * dims, "n", "forces [4][dims]");
+        const dqa::Vec3* rows[4] = {&t.drag, &t.thrust, &t.mean_drag, &t.mean_thrust};
+        for (int k = 0; k < 4; ++k) points_out(rows[k]->data(), 1, dims, forces + k * dims);
     });
 }
 
-dqa_status dqa_simulator_surface(const dqa_simulator* simulator, double* vertices, int64_t nv, int32_t* triangles,
-                                 int64_t nt, int64_t* n_vertices, int64_t* n_triangles) {
+dqa_status dqa_simulator_surface(const dqa_simulator* simulator, double* vertices, int64_t nv, int32_t* elements,
+                                 int64_t ne, int64_t* n_vertices, int64_t* n_elements) {
     return guard([&] {
         const dqa::Simulation& s = design_of(simulator);
         const dqa::Isosurface& surface = s.design().surface();
+        const int dims = s.design().set().box.dims;
         const int64_t rows_v = static_cast<int64_t>(surface.vertices.size()),
-                      rows_t = static_cast<int64_t>(surface.triangles.size());
-        if (vertices) require_count(nv, 3 * rows_v, "nv", "vertices [n_vertices][3]");
-        if (triangles) require_count(nt, 3 * rows_t, "nt", "triangles [n_triangles][3]");
+                      rows_e = static_cast<int64_t>(dims == 2 ? surface.segments.size() : surface.triangles.size());
+        if (vertices) require_count(nv, dims * rows_v, "nv", "vertices [n_vertices][dims]");
+        if (elements) require_count(ne, dims * rows_e, "ne", "elements [n_elements][dims]");
         if (vertices) {
             const auto x = s.design().carry_surface(s.q().data());
-            std::memcpy(vertices, x.data(), x.size() * sizeof x[0]);
+            for (std::size_t k = 0; k < x.size(); ++k)
+                points_out(x[k].data(), 1, dims, vertices + dims * static_cast<int64_t>(k));
         }
-        if (triangles)
-            for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-                for (std::size_t k = 0; k < 3; ++k) triangles[3 * t + k] = surface.triangles[t][k];
+        for (std::size_t t = 0; elements && t < static_cast<std::size_t>(rows_e); ++t)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(dims); ++k)
+                elements[static_cast<std::size_t>(dims) * t + k] =
+                    dims == 2 ? surface.segments[t][k] : surface.triangles[t][k];
         if (n_vertices) *n_vertices = rows_v;
-        if (n_triangles) *n_triangles = rows_t;
+        if (n_elements) *n_elements = rows_e;
     });
 }
 
@@ -318,11 +330,16 @@ dqa_status dqa_simulator_mesh(const dqa_simulator* simulator, int32_t* cell_node
     return guard([&] {
         const dqa::Design& d = design_of(simulator).design();
         const int64_t n = d.set().n_cells();
-        if (cell_nodes) require_count(n_cell_nodes, 8 * n, "n_cell_nodes", "cell_nodes [n_active_cells][8]");
+        // In two dimensions corners 4 ix + 2 iy + iz with iz = 0 and 1 are one node.
+        const std::size_t corners = d.set().box.dims == 2 ? 4 : 8, stride = 8 / corners;
+        if (cell_nodes)
+            require_count(n_cell_nodes, static_cast<int64_t>(corners) * n, "n_cell_nodes",
+                          "cell_nodes [n_active_cells][2^dims]");
         if (cell_box_index) require_count(n_cells, n, "n_cells", "cell_box_index [n_active_cells]");
         if (occupancy) require_count(n_occupancy, n, "n_occupancy", "occupancy [n_active_cells]");
         for (std::size_t c = 0; c < static_cast<std::size_t>(n); ++c) {
-            for (std::size_t k = 0; k < 8 && cell_nodes; ++k) cell_nodes[8 * c + k] = d.set().cell_nodes[c][k];
+            for (std::size_t k = 0; k < corners && cell_nodes; ++k)
+                cell_nodes[corners * c + k] = d.set().cell_nodes[c][stride * k];
             if (cell_box_index) cell_box_index[c] = d.set().cells[c];
             if (occupancy) occupancy[c] = d.occupancy()[c];
         }

@@ -73,6 +73,18 @@ void copy_out(const double* from, std::size_t n, double* to, std::int64_t count,
     std::memcpy(to, from, n * sizeof *to);
 }
 
+std::vector<double> points_in(const double* from, std::int64_t n, int dims) {
+    std::vector<double> out(static_cast<std::size_t>(n / dims * 3), 0.0);
+    for (std::int64_t k = 0; k < n; ++k) out[static_cast<std::size_t>(k / dims * 3 + k % dims)] = from[k];
+    return out;
+}
+
+void points_out(const double* from, std::size_t n_points, int dims, double* to) {
+    const std::size_t d = static_cast<std::size_t>(dims);
+    for (std::size_t p = 0; p < n_points && to; ++p)
+        for (std::size_t a = 0; a < d; ++a) to[d * p + a] = from[3 * p + a];
+}
+
 void check_cancel(const std::shared_ptr<std::atomic<int>>& flag) {
     if (flag && flag->load()) fail(Status::CANCELLED, "the cancel token is set");
 }

@@ -118,11 +118,12 @@ dqa_status dqa_tape_get_state(dqa_tape* tape, int64_t step, double* q, int64_t n
     return guard([&] {
         const dqa::Tape& t = recorded(tape);
         require_step(step, t.n_steps(), "step");
-        const int64_t n = static_cast<int64_t>(t.q(0).size());
+        const int dims = t.design().set().box.dims;
+        const int64_t n = static_cast<int64_t>(t.design().n_nodes()) * dims;
         if (q) require_count(nq, n, "nq", "q [n_nodes][dims]");
         if (v) require_count(nv, n, "nv", "v [n_nodes][dims]");
-        copy_out(t.q(step).data(), t.q(step).size(), q, nq, "nq", "q [n_nodes][dims]");
-        if (v) std::memcpy(v, t.v(step).data(), static_cast<std::size_t>(n) * sizeof *v);
+        if (q) points_out(t.q(step).data(), t.q(step).size() / 3, dims, q);
+        if (v) points_out(t.v(step).data(), t.q(step).size() / 3, dims, v);
     });
 }
 
@@ -140,10 +141,12 @@ dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, 
         const dqa::Tape& t = recorded(tape);
         require(vertices, "vertices");
         require_step(step, t.n_steps(), "step");
-        require_count(nv, 3 * static_cast<int64_t>(t.design().surface().vertices.size()), "nv",
-                      "vertices [n_vertices][3]");
+        const int dims = t.design().set().box.dims;
+        require_count(nv, dims * static_cast<int64_t>(t.design().surface().vertices.size()), "nv",
+                      "vertices [n_vertices][dims]");
         const auto x = t.design().carry_surface(t.q(step).data());
-        std::memcpy(vertices, x.data(), x.size() * sizeof x[0]);
+        for (std::size_t k = 0; k < x.size(); ++k)
+            points_out(x[k].data(), 1, dims, vertices + dims * static_cast<int64_t>(k));
     });
 }
 
@@ -202,15 +205,17 @@ dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity
         require_step(step, a.tape().n_steps(), "step");
         require_range(quantity, quantity == DQA_SEED_POSITION || quantity == DQA_SEED_VELOCITY, "quantity",
                       "DQA_SEED_POSITION or DQA_SEED_VELOCITY");
-        require_count(n, static_cast<int64_t>(a.position_bar().size()), "n", "bar [n_nodes][dims]");
+        const int dims = a.tape().design().set().box.dims;
+        require_count(n, static_cast<int64_t>(a.tape().design().n_nodes()) * dims, "n", "bar [n_nodes][dims]");
         require_finite(bar, n, "bar");
+        const auto field = points_in(bar, n, dims);
         if (step > a.position())
             fail(Status::ERROR_STATE, "step is %" PRId64 ", expected at most %ld: the sweep has passed it", step,
                  a.position());
         if (quantity == DQA_SEED_POSITION)
-            a.seed_position(static_cast<long>(step), bar);
+            a.seed_position(static_cast<long>(step), field.data());
         else
-            a.seed_velocity(static_cast<long>(step), bar);
+            a.seed_velocity(static_cast<long>(step), field.data());
     });
 }
 
@@ -266,6 +271,11 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
         const auto give = [&](const std::vector<double>& values, const char* shape) {
             copy_out(values.data(), values.size(), out, n, "n", shape);
         };
+        const auto give_nodes = [&](const std::vector<double>& values) {
+            const int dims = a.tape().design().set().box.dims;
+            require_count(n, static_cast<int64_t>(values.size() / 3) * dims, "n", "[n_nodes][dims]");
+            points_out(values.data(), values.size() / 3, dims, out);
+        };
         switch (with_respect_to) {
             case DQA_WRT_WEIGHTS:
                 require_count(n, static_cast<int64_t>(a.tape().design().space().bases().size()), "n", "[n_bases]");
@@ -278,10 +288,10 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
                 give(a.actuation_bar(), "[n_steps][n_signals]");
                 break;
             case DQA_WRT_INITIAL_POSITION:
-                give(a.position_bar(), "[n_nodes][dims]");
+                give_nodes(a.position_bar());
                 break;
             default:
-                give(a.velocity_bar(), "[n_nodes][dims]");
+                give_nodes(a.velocity_bar());
                 break;
         }
     });

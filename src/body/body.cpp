@@ -33,6 +33,7 @@ void fit(std::vector<double>& v, std::size_t n) {
 Body::Body(const ActiveSet& set, const std::vector<double>& mu, const std::vector<MuscleEntry>& muscles,
            double contraction, InstructionSet instructions)
     : inv_dx_(1.0 / set.box.dx),
+      slab_(set.box.dims == 2 ? 1.0 : 0.0),
       gauss_volume_(set.box.dx * set.box.dx * set.box.dx / 8.0),
       contraction_(contraction),
       kernels_(body_kernels(instructions)),
@@ -69,7 +70,7 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
     }
     std::vector<int> inverted(blocks / kGrain + 1, 0);
     parallel_chunks(threads, cells_.n_blocks(), kGrain, [&](int begin, int end) {
-        kernels_.elastic_gradient(q, cells_.nodes(), elastic_weight_.data(), inv_dx_, begin, end,
+        kernels_.elastic_gradient(q, cells_.nodes(), elastic_weight_.data(), inv_dx_, slab_, begin, end,
                                   ws.elastic_force.data(), ws.elastic_energy.data(), ws.elastic_cache.data(),
                                   &inverted[static_cast<std::size_t>(begin / kGrain)]);
     });
@@ -128,7 +129,7 @@ void Body::parameter_pullback(BodyWorkspace& ws, const double* q, const double* 
                               double* weight_bar, double* signal_bar) const {
     std::vector<double> bar(static_cast<std::size_t>(cells_.n_blocks()) * 8);
     parallel_chunks(threads, cells_.n_blocks(), kGrain, [&](int begin, int end) {
-        kernels_.elastic_weight_bar(q, lambda, cells_.nodes(), inv_dx_, begin, end, ws.elastic_cache.data(),
+        kernels_.elastic_weight_bar(q, lambda, cells_.nodes(), inv_dx_, slab_, begin, end, ws.elastic_cache.data(),
                                     bar.data());
     });
     for (int c = 0; c < cells_.n_elements(); ++c) mu_bar[c] += 2.0 * gauss_volume_ * bar[static_cast<std::size_t>(c)];

@@ -51,7 +51,7 @@ public:
                             double* weight_bar, double* signal_bar) const;
 
 private:
-    double inv_dx_, gauss_volume_, contraction_;
+    double inv_dx_, slab_, gauss_volume_, contraction_;
     const BodyKernels& kernels_;
     std::vector<MuscleEntry> muscles_;
     BlockLayout cells_, entries_;

@@ -50,7 +50,7 @@ inline void interpolate(const V3 edge[2][2], double scale, V3 out[2][2]) {
         for (int g = 0; g < 2; ++g) out[h][g] = shape(h, 0) * half[0][g] + shape(h, 1) * half[1][g];
 }
 
-inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx) {
+inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx, double slab = 0.0) {
     V3 c[8];
     for (int k = 0; k < 8; ++k) {
         const int* index = nodes + k * kBlock;
@@ -63,6 +63,8 @@ inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx) {
     interpolate(ex, inv_dx, f.x);
     interpolate(ey, inv_dx, f.y);
     interpolate(ez, inv_dx, f.z);
+    for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) f.z[a][b].z += slab;
     return f;
 }
 
@@ -134,14 +136,14 @@ inline void rotation(const V3 f[3], V3 r[3], V* det_out) {
     }
 }
 
-void elastic_gradient(const double* q, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                      double* force, double* energy, double* cache, int* inverted) {
+void elastic_gradient(const double* q, const int* nodes, const double* weight, double inv_dx, double slab, int begin,
+                      int end, double* force, double* energy, double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
-            const Gradient f = gradient_of(q, nodes + block * 8 * kBlock + lane, inv_dx);
+            const Gradient f = gradient_of(q, nodes + block * 8 * kBlock + lane, inv_dx, slab);
             Gradient p;
             clear(p);
             V e = V{};
@@ -237,12 +239,12 @@ void elastic_product(const double* p, const int* nodes, const double* weight, do
     }
 }
 
-void elastic_weight_bar(const double* q, const double* lambda, const int* nodes, double inv_dx, int begin, int end,
-                        const double* cache, double* weight_bar) {
+void elastic_weight_bar(const double* q, const double* lambda, const int* nodes, double inv_dx, double slab, int begin,
+                        int end, const double* cache, double* weight_bar) {
     for (int block = begin; block < end; ++block) {
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const int* index = nodes + block * 8 * kBlock + lane;
-            const Gradient f = gradient_of(q, index, inv_dx), g = gradient_of(lambda, index, inv_dx);
+            const Gradient f = gradient_of(q, index, inv_dx, slab), g = gradient_of(lambda, index, inv_dx);
             V sum = V{};
             for (int gx = 0; gx < 2; ++gx)
                 for (int gy = 0; gy < 2; ++gy)

@@ -28,7 +28,7 @@ ActiveSet make_active_set(const Box& box, const std::vector<char>& mask) {
     }
     for (int i = 0; i <= box.cells[0]; ++i)
         for (int j = 0; j <= box.cells[1]; ++j)
-            for (int k = 0; k <= box.cells[2]; ++k) {
+            for (int k = 0; k < box.node_planes(); ++k) {
                 int& node = set.node_to_active[static_cast<std::size_t>(box.node(i, j, k))];
                 if (node < 0) continue;
                 node = static_cast<int>(set.node_ijk.size());

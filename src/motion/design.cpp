@@ -61,7 +61,8 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
     make_spine();
     make_constraints();
     make_factor();
-    surface_ = extract_isosurface(box, point_.p_hat.data(), 0.5);
+    surface_ = box.dims == 2 ? extract_contour(box, point_.p_hat.data(), 0.5)
+                             : extract_isosurface(box, point_.p_hat.data(), 0.5);
     for (const Vec3& x : surface_.vertices) {
         const MaterialPoint p = locate(set_, x, 1, true);
         embedding_.push_back({p.node, p.weight});
@@ -123,7 +124,7 @@ void Design::make_constraints() {
     }
     for (int n = 0; n < n_nodes(); ++n)
         for (int axis = 0; axis < 3; ++axis)
-            if (fixed[static_cast<std::size_t>(n)] || (scene_.planar && axis == 2))
+            if (fixed[static_cast<std::size_t>(n)] || ((scene_.planar || set_.box.dims == 2) && axis == 2))
                 constrained_.push_back(3 * n + axis);
 }
 

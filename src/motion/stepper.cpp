@@ -107,11 +107,12 @@ SymmetricMatrix Stepper::assemble() {
     m.n = static_cast<int>(size_);
     std::vector<std::vector<std::pair<int, double>>> columns(size_);
     std::vector<double> probe(size_), out(size_);
-    for (int colour = 0; colour < 27; ++colour)
+    for (int colour = 0; colour < 27; ++colour) {
+        const auto of_colour = [&](const std::array<int, 3>& ijk) {
+            return (ijk[0] % 3) * 9 + (ijk[1] % 3) * 3 + ijk[2] % 3 == colour;
+        };
+        if (std::none_of(nodes.begin(), nodes.end(), of_colour)) continue;
         for (int axis = 0; axis < 3; ++axis) {
-            const auto of_colour = [&](const std::array<int, 3>& ijk) {
-                return (ijk[0] % 3) * 9 + (ijk[1] % 3) * 3 + ijk[2] % 3 == colour;
-            };
             std::fill(probe.begin(), probe.end(), 0.0);
             for (std::size_t n = 0; n < nodes.size(); ++n)
                 if (of_colour(nodes[n])) probe[3 * n + static_cast<std::size_t>(axis)] = 1.0;
@@ -121,7 +122,8 @@ SymmetricMatrix Stepper::assemble() {
                 const int column = static_cast<int>(3 * n) + axis;
                 for (int o = 0; o < 27; ++o) {
                     const int i = nodes[n][0] + o / 9 - 1, j = nodes[n][1] + o / 3 % 3 - 1, k = nodes[n][2] + o % 3 - 1;
-                    if (i < 0 || j < 0 || k < 0 || i > box.cells[0] || j > box.cells[1] || k > box.cells[2]) continue;
+                    if (i < 0 || j < 0 || k < 0 || i > box.cells[0] || j > box.cells[1] || k >= box.node_planes())
+                        continue;
                     const int other = design_->set().node_to_active[static_cast<std::size_t>(box.node(i, j, k))];
                     if (other < 0) continue;
                     for (int a = 0; a < 3; ++a) {
@@ -133,6 +135,7 @@ SymmetricMatrix Stepper::assemble() {
                 }
             }
         }
+    }
     m.start.push_back(0);
     for (auto& c : columns) {
         std::sort(c.begin(), c.end());

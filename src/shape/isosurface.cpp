@@ -120,9 +120,69 @@ private:
     Isosurface out_;
 };
 
-}  // namespace
+// Marching triangles: every square of four cell centres is cut along its rising diagonal.
+class ContourMarcher {
+public:
+    ContourMarcher(const Box& box, const double* values, double level) : box_(box), values_(values), level_(level) {}
 
-Isosurface extract_isosurface(const Box& box, const double* values, double level) {
+    Isosurface run() {
+        for (int i = -1; i < box_.cells[0]; ++i)
+            for (int j = -1; j < box_.cells[1]; ++j) {
+                triangle({i, j}, {i + 1, j}, {i + 1, j + 1});
+                triangle({i, j}, {i + 1, j + 1}, {i, j + 1});
+            }
+        return std::move(out_);
+    }
+
+private:
+    using Point = std::array<int, 2>;
+
+    double value(const Point& p) const {
+        if (p[0] < 0 || p[1] < 0 || p[0] >= box_.cells[0] || p[1] >= box_.cells[1]) return 0.0;
+        return values_[box_.cell(p[0], p[1], 0)];
+    }
+
+    // Corners counter-clockwise.
+    void triangle(const Point& a, const Point& b, const Point& c) {
+        const std::array<Point, 3> corner{a, b, c};
+        std::array<bool, 3> in{};
+        int count = 0;
+        for (std::size_t k = 0; k < 3; ++k) count += in[k] = value(corner[k]) > level_;
+        if (count == 0 || count == 3) return;
+        // The corner that differs from the two others, and those in counter-clockwise order after it.
+        std::size_t lone = 0;
+        while (in[lone] != (count == 1)) ++lone;
+        const Point &p = corner[lone], &q = corner[(lone + 1) % 3], &r = corner[(lone + 2) % 3];
+        const int first = vertex(p, q), second = vertex(p, r);
+        if (count == 1)
+            out_.segments.push_back({first, second});
+        else
+            out_.segments.push_back({second, first});
+    }
+
+    int vertex(const Point& a, const Point& b) {
+        const Point &low = a < b ? a : b, &high = a < b ? b : a;
+        const std::int64_t point = static_cast<std::int64_t>(low[0] + 1) * (box_.cells[1] + 2) + low[1] + 1;
+        const int direction = (high[0] - low[0]) * 2 + (high[1] - low[1]);
+        const auto [entry, is_new] = index_.try_emplace(point * 4 + direction, static_cast<int>(out_.vertices.size()));
+        if (!is_new) return entry->second;
+        const double va = value(low), vb = value(high);
+        const double t = std::clamp((va - level_) / (va - vb), 1e-3, 1.0 - 1e-3);  // off both ends, as above
+        Vec3 x{};
+        for (std::size_t k = 0; k < 2; ++k)
+            x[k] = (low[k] + t * (high[k] - low[k]) + 0.5 - 0.5 * box_.cells[k]) * box_.dx;
+        out_.vertices.push_back(x);
+        return entry->second;
+    }
+
+    const Box& box_;
+    const double* values_;
+    double level_;
+    std::unordered_map<std::int64_t, int> index_;
+    Isosurface out_;
+};
+
+void check_field(const Box& box, const double* values, double level) {
     if (!(level > 0.0) || !std::isfinite(level))
         fail(Status::ERROR_ARGUMENT, "the level is %g; expected a positive number (values are 0 outside the box)",
              level);
@@ -130,7 +190,18 @@ Isosurface extract_isosurface(const Box& box, const double* values, double level
     for (int c = 0; c < box.n_cells(); ++c)
         if (!std::isfinite(values[c]))
             fail(Status::ERROR_ARGUMENT, "the value of cell %d is %g; expected a finite number", c, values[c]);
+}
+
+}  // namespace
+
+Isosurface extract_isosurface(const Box& box, const double* values, double level) {
+    check_field(box, values, level);
     return Marcher(box, values, level).run();
+}
+
+Isosurface extract_contour(const Box& box, const double* values, double level) {
+    check_field(box, values, level);
+    return ContourMarcher(box, values, level).run();
 }
 
 }  // namespace dqa

@@ -31,6 +31,7 @@ double line_value(const Box& box, const double* cells, int i, double y, double z
 ShapeSpace::ShapeSpace(const ShapeSettings& settings) : settings_(settings), kernel_(settings.cells, settings.sigma) {
     box_.cells = settings.cells;
     box_.dx = settings.cell_size;
+    box_.dims = settings.dims;
 }
 
 void ShapeSpace::require_open(const char* what) const {
@@ -41,6 +42,8 @@ void ShapeSpace::require_open(const char* what) const {
 
 int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     require_open("add_mesh");
+    if (settings_.dims == 2)
+        fail(Status::ERROR_ARGUMENT, "add_mesh: the space has dims = 2, expected a density, polygon or image");
     MeshReport report;
     TriangleMesh cleaned = clean_and_check(mesh, name, &report);
     orient_up(cleaned, settings_.up);

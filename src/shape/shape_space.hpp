@@ -18,9 +18,10 @@
 namespace dqa {
 
 struct ShapeSettings {
-    std::array<int, 3> cells{60, 16, 26};
-    int margin = 2;         // empty cells ahead and behind
-    int margin_across = 0;  // and to the sides
+    int dims = 3;
+    std::array<int, 3> cells{60, 16, 26};  // cells[2] is 1 in two dimensions
+    int margin = 2;                        // empty cells ahead and behind
+    int margin_across = 0;                 // and to the sides
     int up = 0;
     int subsamples = 8;
     Peak peak = Peak::smooth;

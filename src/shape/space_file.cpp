@@ -19,7 +19,7 @@ namespace dqa {
 namespace {
 
 constexpr char kMagic[8] = {'D', 'Q', 'A', 'S', 'P', 'A', 'C', 'E'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 std::uint64_t fnv1a(const std::string& bytes, std::size_t length) {
     std::uint64_t h = 1469598103934665603ull;
@@ -115,6 +115,7 @@ void ShapeSpace::save(const std::string& path) const {
     Writer w;
     w.bytes.append(kMagic, sizeof kMagic);
     w.put(kVersion);
+    w.put(static_cast<std::int32_t>(settings_.dims));
     for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
     for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
                         static_cast<int>(settings_.peak), settings_.max_iterations})
@@ -152,7 +153,9 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     if (stored != fnv1a(bytes, bytes.size() - sizeof stored))
         fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
     ShapeSettings s;
+    s.dims = r.integer("dims", 2, 3);
     for (int& n : s.cells) n = r.integer("a number of cells", 1, 512);
+    r.expect(s.dims == 3 || s.cells[2] == 1, "the number of cells along z of a plane space", s.cells[2]);
     s.margin = r.integer("margin", 0, 256), s.margin_across = r.integer("margin_across", 0, 256),
     s.up = r.integer("up", UP_AUTO, UP_Y);
     s.subsamples = r.integer("subsamples", 1, 1024);

@@ -184,6 +184,10 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
             if (!(first_step > 0)) first_step = 4e-3;
             break;
     }
+    // In two dimensions there is no motion along z.
+    if (simulation.design().set().box.dims == 2 &&
+        (quantity == WithRespectTo::initial_position || quantity == WithRespectTo::initial_velocity))
+        for (std::size_t i = 2; i < (direction.*field).size(); i += 3) (direction.*field)[i] = 0.0;
     // Stay on the simplex over the whole stencil.
     if (quantity == WithRespectTo::weights)
         for (std::size_t i = 0; i < direction.weights.size(); ++i) {

@@ -51,6 +51,10 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
         for (std::size_t k = 0; k < 4; ++k)
             f.nodes[k] =
                 3 * set.node_to_active[static_cast<std::size_t>(box.node(corners[k][0], corners[k][1], corners[k][2]))];
+        if (box.dims == 2) {
+            f.span_1 = box.dx * (corners[2][2] - corners[0][2]);
+            f.span_2 = box.dx * (corners[3][2] - corners[1][2]);
+        }
         faces_.push_back(f);
     };
     // Every face of every active cell, once: the low faces of all, and the high faces towards inactive neighbours.
@@ -59,6 +63,7 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
         for (int axis = 0; axis < 3; ++axis) {
             const std::size_t ax = static_cast<std::size_t>(axis);
             const std::size_t b = (ax + 1) % 3, c = (ax + 2) % 3;
+            if (box.dims == 2 && axis == 2) continue;  // the slab's faces: the water does not flow past them
             for (int side = 0; side < 2; ++side) {
                 auto other = ijk;
                 other[ax] += side ? 1 : -1;
@@ -107,8 +112,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Face& f = faces_[i];
-            const Vec3 d1 = minus(at(q, f.nodes[2]), at(q, f.nodes[0])),
-                       d2 = minus(at(q, f.nodes[3]), at(q, f.nodes[1]));
+            const auto [d1, d2] = diagonals(f, q);
             Vec3 a = cross(d1, d2);
             const double sign = f.weight >= 0 ? 0.5 : -0.5;
             for (double& x : a) x *= sign;
@@ -131,6 +135,12 @@ Vec3 Water::new_velocity(const WaterWorkspace& ws, const Face& f, const double* 
                          double inv_h) {
     const Vec3 d = minus(mean_of(q_new, f.nodes), mean_of(q_base, f.nodes));
     return {d[0] * inv_h - ws.current[0], d[1] * inv_h - ws.current[1], d[2] * inv_h - ws.current[2]};
+}
+
+std::pair<Vec3, Vec3> Water::diagonals(const Face& f, const double* q) {
+    Vec3 d1 = minus(at(q, f.nodes[2]), at(q, f.nodes[0])), d2 = minus(at(q, f.nodes[3]), at(q, f.nodes[1]));
+    d1[2] += f.span_1, d2[2] += f.span_2;
+    return {d1, d2};
 }
 
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
@@ -201,8 +211,7 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
         Vec3 a_bar{};
         for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
         const double sign = f.weight >= 0 ? 0.5 : -0.5;
-        const Vec3 d1 = minus(at(lag_q, f.nodes[2]), at(lag_q, f.nodes[0])),
-                   d2 = minus(at(lag_q, f.nodes[3]), at(lag_q, f.nodes[1]));
+        const auto [d1, d2] = diagonals(f, lag_q);
         Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
         for (std::size_t k = 0; k < 3; ++k) {
             d1_bar[k] *= sign, d2_bar[k] *= sign;

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "grid/active_set.hpp"
@@ -71,11 +72,13 @@ private:
     struct Face {
         std::array<int, 4> nodes{};         // 3 * active node, counter-clockwise about the +axis
         int cell_low = -1, cell_high = -1;  // active cells on both sides along the axis, -1 outside
+        double span_1 = 0.0, span_2 = 0.0;  // z of the diagonals that nodes do not span: the slab's thickness in 2-D
         double weight = 0.0;                // signed: > 0 if the low side is fuller
         double weight_derivative = 0.0;     // d|weight| / d(dG), dG = G_low - G_high
     };
     static Vec3 new_velocity(const WaterWorkspace& ws, const Face& f, const double* q_new, const double* q_base,
                              double inv_h);
+    static std::pair<Vec3, Vec3> diagonals(const Face& f, const double* q);
     void add_to_nodes(const double* face_force, double* out, Threads threads) const;
 
     WaterSettings settings_;

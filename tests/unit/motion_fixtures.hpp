@@ -189,6 +189,21 @@ inline std::shared_ptr<const ShapeSpace> ellipsoid_space(const std::array<int, 3
     return space;
 }
 
+// The same idea in two dimensions: two ellipses.
+inline std::shared_ptr<const ShapeSpace> plane_space(int nx = 24, int ny = 10, double dx = 0.04) {
+    ShapeSettings s;
+    s.dims = 2;
+    s.cells = {nx, ny, 1};
+    s.cell_size = dx;
+    s.sigma = 0.7;
+    auto space = std::make_shared<ShapeSpace>(s);
+    space->add_fractions("slim", ellipsoid_fractions(s.cells, {0.5 * nx - 2.0, 0.5 * ny - 2.7, 1e6}).data());
+    space->add_fractions("stout",
+                         ellipsoid_fractions(s.cells, {0.5 * nx - 3.4, 0.5 * ny - 2.1, 1e6}, {0.6, 0.0, 0.0}).data());
+    space->build(nullptr);
+    return space;
+}
+
 inline std::shared_ptr<const Design> make_design(const SceneSettings& scene, const Vector& weights = {0.6, 0.4},
                                                  const std::shared_ptr<const ShapeSpace>& space = ellipsoid_space()) {
     return std::make_shared<Design>(space, weights, scene, nullptr);

@@ -107,7 +107,7 @@ void test_batched_rotation() {
                         for (int a = 0; a < 3; ++a) q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
                     }
                 int inverted = 0;
-                kernels.elastic_gradient(q.data(), nodes, weight.data(), 1.0, 0, 1, force.data(), energy.data(),
+                kernels.elastic_gradient(q.data(), nodes, weight.data(), 1.0, 0.0, 0, 1, force.data(), energy.data(),
                                          cache.data(), &inverted);
                 double expected = 0.0;
                 for (std::size_t lane = 0; lane < 8; ++lane) {
