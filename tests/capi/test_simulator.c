@@ -247,7 +247,7 @@ static void surface_and_mesh(void** state) {
     assert_true(triangles != NULL && nodes != NULL && cells != NULL);
     refused(dqa_simulator_surface(simulator, vertices, 3 * n_vertices - 1, NULL, 0, NULL, NULL), DQA_ERROR_ARGUMENT,
             "vertices|nv");
-    refused(dqa_simulator_surface(simulator, NULL, 0, triangles, 3, NULL, NULL), DQA_ERROR_ARGUMENT, "triangles|nt");
+    refused(dqa_simulator_surface(simulator, NULL, 0, triangles, 3, NULL, NULL), DQA_ERROR_ARGUMENT, "elements|ne");
     ok(dqa_simulator_surface(simulator, vertices, 3 * n_vertices, triangles, 3 * n_triangles, NULL, NULL));
     for (i = 0; i < 3 * n_vertices; ++i) assert_true(fabs(vertices[i]) < 0.1 * NX);
     for (i = 0; i < 3 * n_triangles; ++i) assert_in_range(triangles[i], 0, n_vertices - 1);

@@ -135,8 +135,8 @@ void test_damaged_files() {
     }
     refused("solid not a shape space, but something else of some length", "not a saved shape space");
     std::string newer = good;
-    newer[8] = 2;
-    refused(sealed(newer), "format version 2");
+    newer[8] = 99;
+    refused(sealed(newer), "format version 99");
     EXPECT_ERROR(ERROR_IO, "cannot open", ShapeSpace::load(folder / "none"));
     EXPECT_ERROR(ERROR_IO, "cannot read", ShapeSpace::load(folder.path()));
 }
@@ -146,8 +146,8 @@ void test_forged_files() {
     const Folder folder;
     space()->save(folder / "good");
     const std::string good = content(folder / "good"), path = folder / "bad";
-    constexpr std::size_t ints = 12, doubles = 48,
-                          bases = 88;  // offsets: cells, margin..; body length..; count of bases
+    constexpr std::size_t dims = 12, ints = 16, doubles = 52,
+                          bases = 92;  // offsets: dims; cells, margin..; body length..; count of bases
     const auto refused = [&](std::string bytes, const char* what) {
         write(path, sealed(std::move(bytes)));
         try {
@@ -173,6 +173,8 @@ void test_forged_files() {
     double sigma;
     std::memcpy(&sigma, good.data() + doubles + 16, 8);
     CHECK(sigma == 0.8);  // the offsets are right
+    refused(with_int(dims, 4), "four dimensions");
+    refused(with_int(dims, 2), "a plane of several layers");
     refused(with_int(ints, 0), "no cells");
     refused(with_int(ints, 513), "too many cells");
     refused(with_int(ints, 19), "fewer cells");
