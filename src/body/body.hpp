@@ -1,36 +1,34 @@
 // SPDX-License-Identifier: MIT
-// The soft body: corotated elasticity with a modulus per cell, and contractile muscles; energies, forces,
-// Hessian-vector products and the derivatives with respect to moduli, muscle weights and rest ratios.
+// The soft body: elastic terms of its material with moduli per cell, and contractile muscles.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "body/kernels.hpp"
-#include "grid/active_set.hpp"
-#include "grid/parallel.hpp"
+#include "body/elastic_term.hpp"
+#include "body/muscle_term.hpp"
 
 namespace dqa {
 
-// Scratch of one evaluation point; belongs to the caller.
-struct BodyWorkspace {
-    std::vector<double> elastic_force, elastic_energy, elastic_cache;
-    std::vector<double> muscle_force, muscle_energy, muscle_cache, muscle_rest;
-    int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
+// corotated: the shear term alone, as in the paper. corotated_volume: with the volume term. neo_hookean: stable
+// neo-Hookean with its volume term.
+enum class Material : int { corotated = 0, corotated_volume = 1, neo_hookean = 2 };
+
+// Lame's parameters of each active cell (Pa); lambda is not looked at by `corotated`.
+struct Elasticity {
+    Material material = Material::corotated;
+    std::vector<double> mu, lambda;
 };
 
-// One fibre group in one cell. Energy density weight/2 (|F m| - r)^2, r = 1 - sign * contraction * signal value.
-struct MuscleEntry {
-    int cell = 0;         // active cell
-    int signal = 0;       // index of the actuation signal
-    double sign = 1.0;    // +1: contracts for a positive signal, -1: its antagonist
-    Vec3 direction{};     // unit, at rest
-    double weight = 0.0;  // Pa
+// Scratch of one evaluation point; belongs to the caller.
+struct BodyWorkspace {
+    std::vector<TermWorkspace> terms;
+    int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
 };
 
 class Body {
 public:
-    // mu: shear modulus of each active cell (Pa).
-    Body(const ActiveSet& set, const std::vector<double>& mu, const std::vector<MuscleEntry>& muscles,
+    Body(const ActiveSet& set, const Elasticity& elasticity, const std::vector<MuscleEntry>& muscles,
          double contraction, InstructionSet instructions);
 
     const std::vector<MuscleEntry>& muscles() const { return muscles_; }
@@ -41,23 +39,19 @@ public:
                     double* muscle_out) const;
     // out += H p at the last gradient.
     void product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const;
-    // Makes the linearisation positive semi-definite (fallback when curvature is negative): limits the rotation term
-    // so that each Gauss point's twist stiffness is >= 0, and drops compressive transverse muscle stiffness.
+    // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     void filter(BodyWorkspace& ws) const;
-
-    // Cotangents of lambda . dE/dq at q (the workspace holds the gradient there): mu_bar [n_cells],
-    // weight_bar [n_muscles], signal_bar [n_signals]; all are added to.
-    void parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, Threads threads, double* mu_bar,
-                            double* weight_bar, double* signal_bar) const;
+    // Stiffness of each active cell along x, y, z for a scalar Laplacian that stands for the Hessian (Pa).
+    std::vector<Vec3> preconditioner_stiffness() const;
+    // Adds the cotangents of lambda . dE/dq at q (the workspace holds the gradient there).
+    void parameter_pullback(BodyWorkspace& ws, const double* q, const double* lambda, Threads threads,
+                            const BodyBar& bar) const;
 
 private:
-    double inv_dx_, slab_, gauss_volume_, contraction_;
-    const BodyKernels& kernels_;
+    std::vector<std::unique_ptr<EnergyTerm>> terms_;
+    std::size_t n_elastic_;  // of them, at the front
     std::vector<MuscleEntry> muscles_;
-    BlockLayout cells_, entries_;
-    std::vector<double> elastic_weight_;    // 2 mu V/8, blocked
-    std::vector<double> muscle_weight_;     // weight V/8, blocked
-    std::vector<double> muscle_direction_;  // [block][3][8]
+    std::size_t n_coordinates_, n_cells_;
 };
 
 }  // namespace dqa

@@ -5,32 +5,46 @@
 // 3 * (node index) as [block][8 corners][8 lanes]; forces come out as [block][8 corners][3][8 lanes] and are summed
 // onto nodes by NodeGather. Padding lanes repeat a real cell with weight 0.
 //
-// Corotated energy (e.g. Chao et al. 2010): weight/2 |F - R|^2 per Gauss point, weight = 2 mu V/8, R the rotation
-// closest to F with det R = +1. `slab` is added to F_zz: 1 in two dimensions, where the nodes do not span z, else 0.
-// Linearisation cache per Gauss point: R (9), K = (tr(S) I - S)^-1 (6), S = R^T F. Muscle energy (Min et al. 2019):
-// weight/2 (|F m| - r)^2 per Gauss point. Cache: F m / |F m| (3), c1, c2.
+// Elastic energies, weight = modulus * V / points, summed over 8 Gauss points or taken at the cell's centre (selective
+// reduced integration, which keeps nearly incompressible cells from locking, e.g. Hughes 1987, sec. 4.5):
+//   corotated (e.g. Chao et al. 2010)     weight/2 |F - R|^2, weight = 2 mu V/8, R the rotation closest to F, det R =
+//   +1 its volume term                       weight/2 (tr(R^T F) - 3)^2 at the centre, weight = lambda V stable
+//   neo-Hookean (Smith et al. 2018)  weight/2 (I - 3 - log((I + 1)/4)), I = |F|^2, weight = mu V/8 its volume term
+//   weight/2 (J - alpha)^2 at the centre, weight = lambda V, `shift` = alpha
+// `slab` is added to F_zz: 1 in two dimensions, where the nodes do not span z, else 0.
+// Muscle energy (Min et al. 2019): weight/2 (|F m| - r)^2 per Gauss point. Cache: F m / |F m| (3), c1, c2.
 #pragma once
 
 #include "grid/simd.hpp"
 
 namespace dqa {
 
-constexpr int kElasticCache = 8 * 15 * 8;  // doubles per block
 constexpr int kMuscleCache = 8 * 5 * 8;
 constexpr int kCellForce = 24 * 8;
 
-struct BodyKernels {
+enum class ElasticKind : int { corotated = 0, corotated_volume = 1, neo_hookean = 2, neo_hookean_volume = 3 };
+
+struct ElasticKernels {
+    int point_values;  // cached values of a cell; the cache is [block][point_values][8 lanes]
+    int points;        // of integration in a cell
     // Energy (per block), forces dE/dq, and the linearisation (NULL: not wanted); inverted counts Gauss points with
-    // det F <= 0.
-    void (*elastic_gradient)(const double* q, const int* nodes, const double* weight, double inv_dx, double slab,
-                             int begin, int end, double* force, double* energy, double* cache, int* inverted);
+    // det F <= 0. shift [block][8]: NULL where the energy has none.
+    void (*gradient)(const double* q, const int* nodes, const double* weight, const double* shift, double inv_dx,
+                     double slab, int begin, int end, double* force, double* energy, double* cache, int* inverted);
     // Hessian-vector product from the cache.
-    void (*elastic_product)(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                            const double* cache, double* force);
-    // d(lambda . dE/dq)/d(weight) per cell, [block][8]; cache as of q.
-    void (*elastic_weight_bar)(const double* q, const double* lambda, const int* nodes, double inv_dx, double slab,
-                               int begin, int end, const double* cache, double* weight_bar);
-    // Same three for muscles; direction [block][3][8], rest ratio [block][8].
+    void (*product)(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
+                    const double* cache, double* force);
+    // d(lambda . dE/dq)/d(weight) and /d(shift) per cell, [block][8]; cache as of q.
+    void (*bar)(const double* q, const double* lambda, const int* nodes, const double* weight, const double* shift,
+                double inv_dx, double slab, int begin, int end, const double* cache, double* weight_bar,
+                double* shift_bar);
+    // Makes the cached linearisation positive semi-definite.
+    void (*filter)(double* cache, int blocks);
+};
+
+struct BodyKernels {
+    ElasticKernels elastic[4];  // by ElasticKind
+    // The same for muscles; direction [block][3][8], rest ratio [block][8].
     void (*muscle_gradient)(const double* q, const int* nodes, const double* direction, const double* weight,
                             const double* rest, double inv_dx, int begin, int end, double* force, double* energy,
                             double* cache);

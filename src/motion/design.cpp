@@ -44,18 +44,20 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
         fail(Status::ERROR_ARGUMENT, "threshold is %g: no cell is left to simulate", scene.threshold);
     rest_ = set_.rest_positions();
     const double node_mass = scene.density * box.dx * box.dx * box.dx / 8.0;
-    std::vector<double> mu;
+    Elasticity elasticity;
+    elasticity.material = scene.material;
     mass_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
     for (int a = 0; a < set_.n_cells(); ++a) {
         const double g =
             occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(set_.cells[static_cast<std::size_t>(a)])]);
         occupancy_.push_back(g);
-        mu.push_back(scene.shear_modulus() * g);
+        elasticity.mu.push_back(scene.lame_mu() * g);
+        elasticity.lambda.push_back(scene.lame_lambda() * g);
         for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)])
             mass_[static_cast<std::size_t>(n)] += node_mass * g;
     }
     make_muscles();
-    body_ = std::make_unique<Body>(set_, mu, muscles_, scene.contraction, scene.instructions);
+    body_ = std::make_unique<Body>(set_, elasticity, muscles_, scene.contraction, scene.instructions);
     if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
@@ -129,30 +131,26 @@ void Design::make_constraints() {
 }
 
 // Projective-dynamics matrix (Bouaziz et al. 2014): M/h^2 + sum of weights G^T G, one scalar matrix for all three
-// directions. Muscles add their stiffness along the fibre, averaged over the three directions.
+// directions, with the stiffness that the body's terms ask for.
 void Design::make_factor() {
     const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step), dx = space_->box().dx;
     const int n = n_nodes();
-    std::vector<double> muscle(static_cast<std::size_t>(set_.n_cells()), 0.0);
-    for (const MuscleEntry& m : muscles_) muscle[static_cast<std::size_t>(m.cell)] += m.weight;
+    const std::vector<Vec3> stiffness = body_->preconditioner_stiffness();
     // Lower triangle by columns on the 27-point stencil: slot of each neighbour offset with a larger node index.
     std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(n));
     diagonal_.assign(static_cast<std::size_t>(n), 0.0);
-    double local[2][8][8];
-    for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < 8; ++b) {
-            local[1][a][b] = cube_laplacian(a, b, 0) * dx;
-            local[0][a][b] = local[1][a][b] + (cube_laplacian(a, b, 1) + cube_laplacian(a, b, 2)) * dx;
-        }
+    double local[3][8][8];
+    for (int axis = 0; axis < 3; ++axis)
+        for (int a = 0; a < 8; ++a)
+            for (int b = 0; b < 8; ++b) local[axis][a][b] = cube_laplacian(a, b, axis) * dx;
     for (int c = 0; c < set_.n_cells(); ++c) {
-        const double w = 2.0 * scene_.shear_modulus() * occupancy_[static_cast<std::size_t>(c)];
-        const double wm = muscle[static_cast<std::size_t>(c)] / 3.0;
+        const Vec3& w = stiffness[static_cast<std::size_t>(c)];
         const auto& nodes = set_.cell_nodes[static_cast<std::size_t>(c)];
         for (std::size_t a = 0; a < 8; ++a)
             for (std::size_t b = 0; b < 8; ++b) {
                 const int row = nodes[a], column = nodes[b];
                 if (row < column) continue;
-                const double value = w * local[0][a][b] + wm * local[1][a][b];
+                const double value = w[0] * local[0][a][b] + w[1] * local[1][a][b] + w[2] * local[2][a][b];
                 if (row == column) {
                     diagonal_[static_cast<std::size_t>(row)] += value;
                     continue;
@@ -211,6 +209,7 @@ int Design::n_muscle_cells() const {
 DesignBar Design::zero_bar() const {
     DesignBar bar;
     bar.mu.assign(occupancy_.size(), 0.0);
+    bar.lambda = bar.mu;
     bar.occupancy.assign(occupancy_.size(), 0.0);
     bar.mass.assign(mass_.size(), 0.0);
     bar.spine.assign(mass_.size(), 0.0);
@@ -223,7 +222,7 @@ std::vector<double> Design::weights_bar(const DesignBar& bar, const std::functio
     const double node_mass = scene_.density * box.dx * box.dx * box.dx / 8.0;
     std::vector<double> occupancy_bar(bar.occupancy);
     for (std::size_t a = 0; a < occupancy_.size(); ++a) {
-        occupancy_bar[a] += scene_.shear_modulus() * bar.mu[a];
+        occupancy_bar[a] += scene_.lame_mu() * bar.mu[a] + scene_.lame_lambda() * bar.lambda[a];
         for (const int node : set_.cell_nodes[a]) {
             const std::size_t n = static_cast<std::size_t>(node);
             occupancy_bar[a] += node_mass * bar.mass[n] + spine_hat_[n] / 8.0 * bar.spine[n];

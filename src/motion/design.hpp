@@ -20,7 +20,7 @@ namespace dqa {
 
 // Cotangents of what a design provides; zero-initialised by Design::zero_bar.
 struct DesignBar {
-    std::vector<double> mu;             // [n_cells] shear modulus
+    std::vector<double> mu, lambda;     // [n_cells] Lame's parameters
     std::vector<double> mass;           // [n_nodes]
     std::vector<double> muscle_weight;  // [n_muscles]
     std::vector<double> occupancy;      // [n_cells] through the water's faces

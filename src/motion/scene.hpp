@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "body/body.hpp"
 #include "grid/simd.hpp"
 #include "water/water.hpp"
 
@@ -18,6 +19,7 @@ enum class Integrator : int { implicit_euler = 0, bdf2 = 1 };
 struct SceneSettings {
     int threads = 1;
     Method method = Method::newton_pcg;
+    Material material = Material::corotated;
     Integrator integrator = Integrator::implicit_euler;
     bool water = true;
     bool planar = false;           // no motion along z
@@ -39,7 +41,10 @@ struct SceneSettings {
     WaterSettings hydrodynamics;
     std::shared_ptr<std::atomic<int>> cancel;  // may be null; non-zero asks to stop
 
-    double shear_modulus() const { return young_modulus / (2.0 * (1.0 + poisson_ratio)); }
+    double lame_mu() const { return young_modulus / (2.0 * (1.0 + poisson_ratio)); }
+    double lame_lambda() const {
+        return young_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
+    }
 };
 
 }  // namespace dqa

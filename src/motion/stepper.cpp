@@ -354,8 +354,9 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_b2;
         lambda_[i] = -lambda_[i];
     }
-    design_->body().parameter_pullback(body_, q_new, lambda_.data(), threads_, bar.mu.data(), bar.muscle_weight.data(),
-                                       out.signals.data());
+    design_->body().parameter_pullback(
+        body_, q_new, lambda_.data(), threads_,
+        {bar.mu.data(), bar.lambda.data(), bar.muscle_weight.data(), out.signals.data()});
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
         water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, base_bar.data(),

@@ -28,7 +28,7 @@ struct Sample {
         }
     }
     Body body(InstructionSet instructions = InstructionSet::automatic) const {
-        return Body(set, mu, muscles, 0.2, instructions);
+        return Body(set, {Material::corotated, mu, {}}, muscles, 0.2, instructions);
     }
     // Rest state displaced at random by this part of a cell.
     Vector displaced(double part, std::uint64_t seed = 2) const {

@@ -25,7 +25,8 @@ Answer solve(int layers) {
     const double dx = kLength / kSlenderness / layers;
     const int nx = static_cast<int>(kSlenderness) * layers;
     const ActiveSet set = full_set({nx, layers, 1}, dx);
-    const Body body(set, Vector(static_cast<std::size_t>(set.n_cells()), kMu), {}, 0.2, InstructionSet::automatic);
+    const Body body(set, {Material::corotated, Vector(static_cast<std::size_t>(set.n_cells()), kMu), {}}, {}, 0.2,
+                    InstructionSet::automatic);
     const Vector rest = set.rest_positions();
     Vector force(rest.size()), muscle(rest.size());
     BodyWorkspace ws;

@@ -119,13 +119,14 @@ void test_parameter_pullback() {
     const Vector q = s.displaced(0.15), lambda = random_vector(q.size(), random);
     evaluate(body, ws, q, s.signals);
     Vector mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-    body.parameter_pullback(ws, q.data(), lambda.data(), 1, mu_bar.data(), weight_bar.data(), signal_bar.data());
+    body.parameter_pullback(ws, q.data(), lambda.data(), 1,
+                            {mu_bar.data(), nullptr, weight_bar.data(), signal_bar.data()});
     const Vector dmu = random_vector(s.mu.size(), random, 1e6), dweight = random_vector(s.muscles.size(), random, 1e6),
                  dsignal = {0.7, -0.4};
     const auto value = [&](const Vector& mu, double e, const Vector& dw, const Vector& signals) {
         std::vector<MuscleEntry> muscles(s.muscles);
         for (std::size_t k = 0; k < muscles.size(); ++k) muscles[k].weight += e * dw[k];
-        const Body changed(s.set, mu, muscles, 0.2, InstructionSet::automatic);
+        const Body changed(s.set, {Material::corotated, mu, {}}, muscles, 0.2, InstructionSet::automatic);
         return dot_of(lambda, evaluate(changed, scratch, q, signals).total);
     };
     CHECK_LINEAR_DERIVATIVE([&](double e) { return value(plus(s.mu, e, dmu), 0.0, dweight, s.signals); },
@@ -137,7 +138,7 @@ void test_parameter_pullback() {
     // Added to what is there.
     Vector twice(signal_bar);
     Vector mu2(mu_bar), weight2(weight_bar);
-    body.parameter_pullback(ws, q.data(), lambda.data(), 1, mu2.data(), weight2.data(), twice.data());
+    body.parameter_pullback(ws, q.data(), lambda.data(), 1, {mu2.data(), nullptr, weight2.data(), twice.data()});
     NEAR(norm_of(plus(twice, -2.0, signal_bar)), 0.0, 1e-12 * norm_of(signal_bar));
     NEAR(norm_of(plus(mu2, -2.0, mu_bar)), 0.0, 1e-12 * norm_of(mu_bar));
     report_worst("parameter pullback");

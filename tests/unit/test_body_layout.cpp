@@ -64,7 +64,8 @@ void test_instruction_sets_agree() {
             BodyWorkspace ws;
             const Result r = evaluate(body, ws, q, s.signals);
             Vector mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-            body.parameter_pullback(ws, q.data(), p.data(), 1, mu_bar.data(), weight_bar.data(), signal_bar.data());
+            body.parameter_pullback(ws, q.data(), p.data(), 1,
+                                    {mu_bar.data(), nullptr, weight_bar.data(), signal_bar.data()});
             const Vector values[4] = {r.total, product(body, ws, p), mu_bar, signal_bar};
             for (std::size_t k = 0; k < 4; ++k) {
                 if (!tried) reference[k] = values[k];
@@ -86,8 +87,8 @@ void test_threads_give_the_same_bits() {
             BodyWorkspace ws;
             const Result r = evaluate(body, ws, q, s.signals, threads);
             Vector out(r.total), mu_bar(s.mu.size(), 0.0), weight_bar(s.muscles.size(), 0.0), signal_bar(2, 0.0);
-            body.parameter_pullback(ws, q.data(), p.data(), threads, mu_bar.data(), weight_bar.data(),
-                                    signal_bar.data());
+            body.parameter_pullback(ws, q.data(), p.data(), threads,
+                                    {mu_bar.data(), nullptr, weight_bar.data(), signal_bar.data()});
             for (const Vector& v : {product(body, ws, p, threads), mu_bar, weight_bar, signal_bar})
                 out.insert(out.end(), v.begin(), v.end());
             out.push_back(r.energy), out.push_back(ws.inverted);

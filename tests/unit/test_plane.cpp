@@ -41,8 +41,8 @@ void test_body_is_a_layer() {
     for (double& m : mu) m = random.between(1e5, 1e6);
     std::vector<MuscleEntry> muscles;
     for (int c = 0; c < 6; ++c) muscles.push_back({2 * c, 0, c % 2 ? 1.0 : -1.0, {0.8, c % 2 ? 0.6 : -0.6, 0.0}, 3e5});
-    const Body flat(plane, mu, muscles, 0.2, InstructionSet::automatic),
-        thick(solid, mu, muscles, 0.2, InstructionSet::automatic);
+    const Body flat(plane, {Material::corotated, mu, {}}, muscles, 0.2, InstructionSet::automatic),
+        thick(solid, {Material::corotated, mu, {}}, muscles, 0.2, InstructionSet::automatic);
     Vector q = plane.rest_positions();
     for (std::size_t i = 0; i < q.size(); ++i)
         if (i % 3 != 2) q[i] += 0.02 * random();

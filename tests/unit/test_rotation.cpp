@@ -99,7 +99,8 @@ void test_batched_rotation() {
         for (const double scale : {1.0, 1e-20, 1e20})
             for (std::size_t first = 0; first < all.size(); first += 5) {
                 const auto f = [&](std::size_t lane) { return all[(first + lane) % all.size()]; };
-                Vector q(192), force(kCellForce), energy(1), cache(kElasticCache);
+                Vector q(192), force(kCellForce), energy(1),
+                    cache(static_cast<std::size_t>(kernels.elastic[0].point_values) * 8);
                 for (std::size_t lane = 0; lane < 8; ++lane)
                     for (int corner = 0; corner < 8; ++corner) {
                         const Eigen::Vector3d x(corner >> 2 & 1, corner >> 1 & 1, corner & 1);
@@ -107,8 +108,8 @@ void test_batched_rotation() {
                         for (int a = 0; a < 3; ++a) q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
                     }
                 int inverted = 0;
-                kernels.elastic_gradient(q.data(), nodes, weight.data(), 1.0, 0.0, 0, 1, force.data(), energy.data(),
-                                         cache.data(), &inverted);
+                kernels.elastic[0].gradient(q.data(), nodes, weight.data(), nullptr, 1.0, 0.0, 0, 1, force.data(),
+                                            energy.data(), cache.data(), &inverted);
                 double expected = 0.0;
                 for (std::size_t lane = 0; lane < 8; ++lane) {
                     for (std::size_t gauss = 0; gauss < 8; ++gauss) {
@@ -129,7 +130,7 @@ void test_batched_rotation() {
 // gradient's integral (Gauss-Legendre in short pieces), to rounding.
 void test_energy_is_the_integral_of_the_gradient() {
     const ActiveSet set = full_set({2, 2, 2}, 1.0);
-    const Body body(set, Vector(8, 1.0), {}, 0.2, InstructionSet::automatic);
+    const Body body(set, {Material::corotated, Vector(8, 1.0), {}}, {}, 0.2, InstructionSet::automatic);
     BodyWorkspace ws;
     Random random{2};
     const Vector rest = set.rest_positions(), q1 = plus(rest, 0.25, random_vector(rest.size(), random));

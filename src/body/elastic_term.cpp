@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "body/elastic_term.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace dqa {
+namespace {
+
+std::vector<int> all_cells(const ActiveSet& set) {
+    std::vector<int> out(static_cast<std::size_t>(set.n_cells()));
+    std::iota(out.begin(), out.end(), 0);
+    return out;
+}
+
+// The moduli of the stable neo-Hookean energy whose small deformations are Hooke's with Lame's (mu, lambda)
+// (Smith et al. 2018, sec. 3.4): 4/3 mu and lambda + 5/6 mu; alpha = 1 + 3 mu_n / (4 lambda_n) keeps the rest state.
+struct NeoModuli {
+    double mu, lambda;
+    double alpha() const { return 1.0 + 0.75 * mu / lambda; }
+};
+NeoModuli neo_moduli(double mu, double lambda) {
+    return {4.0 / 3.0 * mu, lambda + 5.0 / 6.0 * mu};
+}
+
+}  // namespace
+
+ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vector<double>& mu,
+                         const std::vector<double>& lambda, InstructionSet instructions)
+    : kind_(kind),
+      kernels_(body_kernels(instructions).elastic[static_cast<std::size_t>(kind)]),
+      inv_dx_(1.0 / set.box.dx),
+      slab_(set.box.dims == 2 ? 1.0 : 0.0),
+      volume_(set.box.dx * set.box.dx * set.box.dx / kernels_.points),
+      mu_(mu),
+      lambda_(lambda),
+      cells_(set, all_cells(set)) {
+    std::vector<double> weight(mu.size()), shift;
+    for (std::size_t c = 0; c < mu.size(); ++c) switch (kind_) {
+            case ElasticKind::corotated:
+                weight[c] = 2.0 * mu[c] * volume_;
+                break;
+            case ElasticKind::corotated_volume:
+                weight[c] = lambda[c] * volume_;
+                break;
+            case ElasticKind::neo_hookean:
+                weight[c] = neo_moduli(mu[c], lambda[c]).mu * volume_;
+                break;
+            case ElasticKind::neo_hookean_volume:
+                weight[c] = neo_moduli(mu[c], lambda[c]).lambda * volume_;
+                shift.push_back(neo_moduli(mu[c], lambda[c]).alpha());
+                break;
+        }
+    weight_ = cells_.blocked(weight);
+    if (!shift.empty()) shift_ = cells_.blocked(shift);
+}
+
+const char* ElasticTerm::name() const {
+    constexpr const char* names[] = {"corotated", "corotated volume", "neo-Hookean", "neo-Hookean volume"};
+    return names[static_cast<std::size_t>(kind_)];
+}
+
+double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads, double* out) const {
+    const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
+    ws.force.resize(blocks * kCellForce), ws.energy.resize(blocks);
+    ws.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
+    std::vector<int> inverted(blocks / kBodyGrain + 1, 0);
+    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.gradient(q, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end, ws.force.data(),
+                          ws.energy.data(), ws.cache.data(), &inverted[static_cast<std::size_t>(begin / kBodyGrain)]);
+    });
+    ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
+    cells_.add_to_nodes(ws.force.data(), out, threads);
+    return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
+}
+
+void ElasticTerm::product(TermWorkspace& ws, const double* p, Threads threads, double* out) const {
+    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(), ws.force.data());
+    });
+    cells_.add_to_nodes(ws.force.data(), out, threads);
+}
+
+void ElasticTerm::filter(TermWorkspace& ws) const {
+    kernels_.filter(ws.cache.data(), cells_.n_blocks());
+}
+
+// grad-div terms resist one direction of each gradient in three: a third of the modulus.
+void ElasticTerm::precondition(std::vector<Vec3>& stiffness) const {
+    for (std::size_t c = 0; c < mu_.size(); ++c) {
+        double s = 0.0;
+        switch (kind_) {
+            case ElasticKind::corotated:
+            case ElasticKind::neo_hookean:
+                s = 2.0 * mu_[c];
+                break;
+            case ElasticKind::corotated_volume:
+                s = lambda_[c] / 3.0;
+                break;
+            case ElasticKind::neo_hookean_volume:
+                s = neo_moduli(mu_[c], lambda_[c]).lambda / 3.0;
+                break;
+        }
+        for (double& axis : stiffness[c]) axis += s;
+    }
+}
+
+void ElasticTerm::pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
+                           const BodyBar& bar) const {
+    std::vector<double> weight_bar(static_cast<std::size_t>(cells_.n_blocks()) * 8), shift_bar(weight_bar.size());
+    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.bar(q, lambda, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end,
+                     ws.cache.data(), weight_bar.data(), shift_bar.data());
+    });
+    for (std::size_t c = 0; c < mu_.size(); ++c) {
+        const double w = weight_bar[c] * volume_;
+        switch (kind_) {
+            case ElasticKind::corotated:
+                bar.mu[c] += 2.0 * w;
+                break;
+            case ElasticKind::corotated_volume:
+                bar.lambda[c] += w;
+                break;
+            case ElasticKind::neo_hookean:
+                bar.mu[c] += 4.0 / 3.0 * w;
+                break;
+            case ElasticKind::neo_hookean_volume: {
+                // alpha = 1 + mu / lambda_n
+                const NeoModuli n = neo_moduli(mu_[c], lambda_[c]);
+                const double lambda_n_bar = w - shift_bar[c] * mu_[c] / (n.lambda * n.lambda);
+                bar.lambda[c] += lambda_n_bar;
+                bar.mu[c] += 5.0 / 6.0 * lambda_n_bar + shift_bar[c] / n.lambda;
+                break;
+            }
+        }
+    }
+}
+
+}  // namespace dqa

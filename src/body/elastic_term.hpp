@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Elastic terms: one kernel family, with a modulus per cell that follows from Lame's parameters.
+#pragma once
+
+#include "body/energy_term.hpp"
+#include "body/kernels.hpp"
+
+namespace dqa {
+
+class ElasticTerm : public EnergyTerm {
+public:
+    // mu, lambda: Lame's parameters of each active cell (Pa); lambda may be empty for kinds that do not use it.
+    ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vector<double>& mu,
+                const std::vector<double>& lambda, InstructionSet instructions);
+
+    const char* name() const override;
+    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
+                    double* out) const override;
+    void product(TermWorkspace& ws, const double* p, Threads threads, double* out) const override;
+    void filter(TermWorkspace& ws) const override;
+    void precondition(std::vector<Vec3>& stiffness) const override;
+    void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
+                  const BodyBar& bar) const override;
+
+private:
+    ElasticKind kind_;
+    const ElasticKernels& kernels_;
+    double inv_dx_, slab_, volume_;  // volume of a cell's integration point
+    std::vector<double> mu_, lambda_;
+    BlockLayout cells_;
+    std::vector<double> weight_, shift_;  // blocked
+};
+
+}  // namespace dqa

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// One term of the body's energy: value, gradient, Hessian-vector product, what it adds to the preconditioner, and the
+// derivatives with respect to its parameters. A body is a list of terms; a new material is a new term.
+#pragma once
+
+#include <vector>
+
+#include "grid/active_set.hpp"
+#include "grid/parallel.hpp"
+
+namespace dqa {
+
+constexpr int kBodyGrain = 8;  // blocks a chunk: the unit of ordered sums
+
+// Scratch of one term at one evaluation point; belongs to the caller.
+struct TermWorkspace {
+    std::vector<double> force, energy, cache, rest;
+    int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
+};
+
+// Cotangents of the body's parameters; every pointer may be added to.
+struct BodyBar {
+    double* mu;             // [n_cells] Lame's mu (shear modulus)
+    double* lambda;         // [n_cells] Lame's lambda
+    double* muscle_weight;  // [n_muscles]
+    double* signals;        // [n_signals]
+};
+
+class EnergyTerm {
+public:
+    virtual ~EnergyTerm() = default;
+    virtual const char* name() const = 0;
+    // Energy; out [n_nodes][3] += dE/dq. Fills the linearisation.
+    virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
+                            double* out) const = 0;
+    // out += H p at the last gradient.
+    virtual void product(TermWorkspace& ws, const double* p, Threads threads, double* out) const = 0;
+    // Makes the linearisation positive semi-definite (fallback when curvature is negative).
+    virtual void filter(TermWorkspace& ws) const = 0;
+    // Adds the stiffness of each cell along x, y, z that a scalar Laplacian should carry: [n_cells] (Pa).
+    virtual void precondition(std::vector<Vec3>& stiffness) const = 0;
+    // Adds the cotangents of lambda . dE/dq at q, where the workspace holds the gradient.
+    virtual void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
+                          const BodyBar& bar) const = 0;
+};
+
+}  // namespace dqa

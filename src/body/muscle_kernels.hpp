@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Kernels of the muscle energy.
+#pragma once
+
+#include "body/cell_kernels.hpp"
+
+namespace dqa {
+namespace {
+
+inline V3 along(const Gradient& f, int gx, int gy, int gz, const V m[3]) {
+    return m[0] * f.x[gy][gz] + m[1] * f.y[gx][gz] + m[2] * f.z[gx][gy];
+}
+
+inline void add_outer(Gradient& p, int gx, int gy, int gz, const V m[3], const V3& t) {
+    p.x[gy][gz] = p.x[gy][gz] + m[0] * t;
+    p.y[gx][gz] = p.y[gx][gz] + m[1] * t;
+    p.z[gx][gy] = p.z[gx][gy] + m[2] * t;
+}
+
+// |F m|, kept away from zero: a fibre crushed to a point has no direction.
+inline V length_of(const V3& t) {
+    return square_root(dot(t, t) + 1e-24);
+}
+
+void muscle_gradient(const double* q, const int* nodes, const double* direction, const double* weight,
+                     const double* rest, double inv_dx, int begin, int end, double* force, double* energy,
+                     double* cache) {
+    for (int block = begin; block < end; ++block) {
+        double block_energy = 0.0;
+        for (int lane = 0; lane < kBlock; lane += kLanes) {
+            const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
+            const double* dir = direction + block * 3 * kBlock + lane;
+            const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
+            const Gradient f = gradient_of(q, nodes + block * 8 * kBlock + lane, inv_dx);
+            Gradient p;
+            clear(p);
+            V e = V{};
+            for (int g = 0; g < 8; ++g) {
+                const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
+                const V3 t = along(f, gx, gy, gz, m);
+                const V length = length_of(t);
+                const V stretch = length - ratio;
+                e += stretch * stretch;
+                const V c1 = w * stretch / length;  // = w (1 - r / l)
+                add_outer(p, gx, gy, gz, m, c1 * t);
+                if (!cache) continue;
+                double* out = cache + (static_cast<long>(block) * 8 + g) * 5 * kBlock + lane;
+                const V inv = 1.0 / length;
+                store(out, inv * t.x);
+                store(out + kBlock, inv * t.y);
+                store(out + 2 * kBlock, inv * t.z);
+                store(out + 3 * kBlock, c1);
+                store(out + 4 * kBlock, w * ratio * inv);
+            }
+            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            block_energy += sum_lanes(0.5 * w * e);
+        }
+        energy[block] = block_energy;
+    }
+}
+
+void muscle_product(const double* p, const int* nodes, const double* direction, double inv_dx, int begin, int end,
+                    const double* cache, double* force) {
+    for (int block = begin; block < end; ++block) {
+        for (int lane = 0; lane < kBlock; lane += kLanes) {
+            const double* dir = direction + block * 3 * kBlock + lane;
+            const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
+            const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            Gradient s;
+            clear(s);
+            for (int g = 0; g < 8; ++g) {
+                const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
+                const double* in = cache + (static_cast<long>(block) * 8 + g) * 5 * kBlock + lane;
+                const V3 t = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
+                const V c1 = load(in + 3 * kBlock), c2 = load(in + 4 * kBlock);
+                const V3 d = along(f, gx, gy, gz, m);
+                add_outer(s, gx, gy, gz, m, c1 * d + (c2 * dot(t, d)) * t);
+            }
+            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+        }
+    }
+}
+
+void muscle_bar(const double* q, const double* lambda, const int* nodes, const double* direction, const double* weight,
+                const double* rest, double inv_dx, int begin, int end, double* weight_bar, double* rest_bar) {
+    for (int block = begin; block < end; ++block) {
+        for (int lane = 0; lane < kBlock; lane += kLanes) {
+            const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
+            const double* dir = direction + block * 3 * kBlock + lane;
+            const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
+            const int* index = nodes + block * 8 * kBlock + lane;
+            const Gradient f = gradient_of(q, index, inv_dx), l = gradient_of(lambda, index, inv_dx);
+            V wb = V{}, rb = V{};
+            for (int g = 0; g < 8; ++g) {
+                const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
+                const V3 t = along(f, gx, gy, gz, m);
+                const V length = length_of(t);
+                const V projected = dot(t, along(l, gx, gy, gz, m)) / length;
+                wb += (length - ratio) * projected;
+                rb -= w * projected;
+            }
+            store(weight_bar + block * kBlock + lane, wb);
+            store(rest_bar + block * kBlock + lane, rb);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dqa

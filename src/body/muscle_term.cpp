@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "body/muscle_term.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace dqa {
+namespace {
+
+std::vector<int> cells_of(const std::vector<MuscleEntry>& muscles) {
+    std::vector<int> out;
+    for (const MuscleEntry& m : muscles) out.push_back(m.cell);
+    return out;
+}
+
+}  // namespace
+
+MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& muscles, double contraction,
+                       InstructionSet instructions)
+    : inv_dx_(1.0 / set.box.dx),
+      gauss_volume_(set.box.dx * set.box.dx * set.box.dx / 8.0),
+      contraction_(contraction),
+      kernels_(body_kernels(instructions)),
+      muscles_(muscles),
+      entries_(set, cells_of(muscles)) {
+    std::vector<double> weight;
+    for (const MuscleEntry& m : muscles_) weight.push_back(m.weight * gauss_volume_);
+    weight_ = entries_.blocked(weight);
+    direction_.assign(static_cast<std::size_t>(entries_.n_blocks()) * 24, 0.0);
+    for (std::size_t e = 0; e < static_cast<std::size_t>(entries_.n_blocks()) * 8; ++e) {
+        const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
+        for (std::size_t k = 0; k < 3; ++k) direction_[(e / 8) * 24 + k * 8 + e % 8] = m.direction[k];
+    }
+}
+
+double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
+                            double* out) const {
+    const std::size_t blocks = static_cast<std::size_t>(entries_.n_blocks());
+    ws.force.resize(blocks * kCellForce), ws.energy.resize(blocks);
+    ws.cache.resize(blocks * kMuscleCache), ws.rest.resize(blocks * 8);
+    for (std::size_t e = 0; e < blocks * 8; ++e) {
+        const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
+        ws.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
+    }
+    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.muscle_gradient(q, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin,
+                                 end, ws.force.data(), ws.energy.data(), ws.cache.data());
+    });
+    entries_.add_to_nodes(ws.force.data(), out, threads);
+    return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
+}
+
+void MuscleTerm::product(TermWorkspace& ws, const double* p, Threads threads, double* out) const {
+    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.muscle_product(p, entries_.nodes(), direction_.data(), inv_dx_, begin, end, ws.cache.data(),
+                                ws.force.data());
+    });
+    entries_.add_to_nodes(ws.force.data(), out, threads);
+}
+
+// Drops compressive transverse stiffness and keeps w along the fibre.
+void MuscleTerm::filter(TermWorkspace& ws) const {
+    for (std::size_t at = 0; at < ws.cache.size(); at += 5 * 8)
+        for (std::size_t l = 0; l < 8; ++l) {
+            double& c1 = ws.cache[at + 3 * 8 + l];
+            double& c2 = ws.cache[at + 4 * 8 + l];
+            if (c1 < 0) c2 += c1, c1 = 0.0;
+        }
+}
+
+// Along the fibre, for one of three directions of motion.
+void MuscleTerm::precondition(std::vector<Vec3>& stiffness) const {
+    for (const MuscleEntry& m : muscles_)
+        for (std::size_t k = 0; k < 3; ++k)
+            stiffness[static_cast<std::size_t>(m.cell)][k] += m.weight / 3.0 * m.direction[k] * m.direction[k];
+}
+
+void MuscleTerm::pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
+                          const BodyBar& bar) const {
+    std::vector<double> weight_bar(static_cast<std::size_t>(entries_.n_blocks()) * 8), rest_bar(weight_bar.size());
+    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.muscle_bar(q, lambda, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_,
+                            begin, end, weight_bar.data(), rest_bar.data());
+    });
+    for (std::size_t e = 0; e < muscles_.size(); ++e) {
+        bar.muscle_weight[e] += gauss_volume_ * weight_bar[e];
+        bar.signals[muscles_[e].signal] -= muscles_[e].sign * contraction_ * rest_bar[e];
+    }
+}
+
+}  // namespace dqa
