@@ -123,10 +123,10 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
             V3 c[3];
             at_centre(gradient_of(q, nodes + block * 8 * kBlock + lane, inv_dx, slab), c);
             const V3 k[3] = {cross(c[1], c[2]), cross(c[2], c[0]), cross(c[0], c[1])};
-            const V excess = dot(c[0], k[0]) - load(shift + block * kBlock + lane);
+            const V alpha = load(shift + block * kBlock + lane), excess = dot(c[0], k[0]) - alpha;
             const V3 p[3] = {(w * excess) * k[0], (w * excess) * k[1], (w * excess) * k[2]};
             scatter(from_centre(p), inv_dx, force + static_cast<long>(block) * kCellForce + lane);
-            block_energy += sum_lanes(0.5 * w * excess * excess);
+            block_energy += sum_lanes(0.5 * w * (excess * excess - (1.0 - alpha) * (1.0 - alpha)));  // 0 at rest
             if (!cache) continue;
             double* out = cache + static_cast<long>(block) * kJacobianPoint * kBlock + lane;
             store_columns(out, c);

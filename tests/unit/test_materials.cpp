@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// The materials: rest, rigid motion, Hooke's law for small strains, derivatives, definite linearisation when asked for.
+#include <Eigen/Dense>
+
+#include "body_fixtures.hpp"
+
+namespace {
+
+using namespace fixtures;
+
+constexpr Material kMaterials[] = {Material::corotated, Material::corotated_volume, Material::neo_hookean};
+const char* const kNames[] = {"corotated", "corotated with volume", "neo-Hookean"};
+
+struct Block {
+    Sample sample;
+    Elasticity elasticity;
+    explicit Block(Material material, int n_muscles = 0) : sample({4, 3, 3}, n_muscles) {
+        elasticity = {material, sample.mu, {}};
+        Random random{9};
+        for (const double m : sample.mu) elasticity.lambda.push_back(m * random.between(0.5, 9.0));
+    }
+    Body body() const { return body(elasticity); }
+    Body body(const Elasticity& e) const { return Body(sample.set, e, sample.muscles, 0.2, InstructionSet::automatic); }
+};
+
+void test_rest_and_rigid_motion() {
+    Random random{1};
+    for (const Material m : kMaterials) {
+        const Block b(m);
+        const Body body = b.body();
+        BodyWorkspace ws;
+        const Result stretched = evaluate(body, ws, mapped(b.sample.rest, {1.1, 0, 0, 0, 1, 0, 0, 0, 1}), {0, 0});
+        CHECK(stretched.energy > 0);
+        for (int k = 0; k < 5; ++k) {
+            const Result r = evaluate(body, ws, mapped(b.sample.rest, random_rotation(random), {1, 2, 3}), {0, 0});
+            CHECK(norm_of(r.total) <= 1e-11 * norm_of(stretched.total) && ws.inverted == 0);
+        }
+        const Result rest = evaluate(body, ws, b.sample.rest, {0, 0});
+        CHECK(rest.energy >= 0);
+        CHECK(evaluate(body, ws, b.sample.displaced(0.01), {0, 0}).energy > rest.energy);  // it is a minimum
+    }
+}
+
+// Uniform small strains: the energy density is mu |e|^2 + lambda/2 tr(e)^2 for the two materials with a volume term.
+void test_hooke() {
+    Random random{2};
+    for (const Material m : {Material::corotated_volume, Material::neo_hookean}) {
+        Sample s({2, 2, 2}, 0);
+        const double mu = 0.7e6, lambda = 2.9e6, volume = 8 * std::pow(s.set.box.dx, 3);
+        const Elasticity e{m, Vector(8, mu), Vector(8, lambda)};
+        const Body body(s.set, e, {}, 0.2, InstructionSet::automatic);
+        BodyWorkspace ws;
+        const double rest = evaluate(body, ws, s.rest, {0, 0}).energy;
+        for (int k = 0; k < 6; ++k) {
+            std::array<double, 9> g{};
+            for (double& x : g) x = random();
+            double trace = g[0] + g[4] + g[8], square = 0.0;
+            for (std::size_t i = 0; i < 3; ++i)
+                for (std::size_t j = 0; j < 3; ++j) {
+                    const double strain = 0.5 * (g[3 * i + j] + g[3 * j + i]);
+                    square += strain * strain;
+                }
+            const double hooke = volume * (mu * square + 0.5 * lambda * trace * trace);
+            // Second difference of the energy: exact up to e^2.
+            const auto energy = [&](double step) {
+                std::array<double, 9> f{1, 0, 0, 0, 1, 0, 0, 0, 1};
+                for (std::size_t i = 0; i < 9; ++i) f[i] += step * g[i];
+                return evaluate(body, ws, mapped(s.rest, f), {0, 0}).energy - rest;
+            };
+            const double step = 1e-3;
+            const double d1 = (energy(step) + energy(-step)) / (2 * step * step),
+                         d2 = (energy(2 * step) + energy(-2 * step)) / (8 * step * step);
+            NEAR((4 * d1 - d2) / 3, hooke, 1e-6 * hooke);
+        }
+    }
+}
+
+void test_derivatives() {
+    for (const Material m : kMaterials)
+        for (const double part : {0.05, 0.25}) {
+            const Block b(m, 7);
+            const Body body = b.body();
+            BodyWorkspace ws, scratch;
+            Random random{3};
+            const Vector q = b.sample.displaced(part);
+            const Vector p = random_vector(q.size(), random, b.sample.set.box.dx), r = random_vector(q.size(), random);
+            const Vector& signals = b.sample.signals;
+            const Result at = evaluate(body, ws, q, signals);
+            CHECK(ws.inverted == 0);
+            CHECK_DERIVATIVE([&](double e) { return evaluate(body, scratch, plus(q, e, p), signals).energy; },
+                             dot_of(at.total, p), 1e-2);
+            const Vector hp = product(body, ws, p), hr = product(body, ws, r);
+            CHECK_DERIVATIVE([&](double e) { return dot_of(r, evaluate(body, scratch, plus(q, e, p), signals).total); },
+                             dot_of(r, hp), 1e-2);
+            NEAR(dot_of(r, hp), dot_of(p, hr), 1e-13 * norm_of(p) * norm_of(hr));
+        }
+    report_worst("gradient and Hessian");
+}
+
+void test_parameters() {
+    for (const Material m : kMaterials) {
+        const Block b(m, 5);
+        const Body body = b.body();
+        BodyWorkspace ws, scratch;
+        Random random{4};
+        const Vector q = b.sample.displaced(0.15), adjoint = random_vector(q.size(), random);
+        evaluate(body, ws, q, b.sample.signals);
+        const std::size_t n = b.sample.mu.size();
+        Vector mu_bar(n, 0.0), lambda_bar(n, 0.0), weight_bar(5, 0.0), signal_bar(2, 0.0);
+        body.parameter_pullback(ws, q.data(), adjoint.data(), 1,
+                                {mu_bar.data(), lambda_bar.data(), weight_bar.data(), signal_bar.data()});
+        const Vector dmu = random_vector(n, random, 1e5), dlambda = random_vector(n, random, 1e5);
+        const auto value = [&](double e, double f) {
+            const Elasticity changed{m, plus(b.elasticity.mu, e, dmu), plus(b.elasticity.lambda, f, dlambda)};
+            return dot_of(adjoint, evaluate(b.body(changed), scratch, q, b.sample.signals).total);
+        };
+        // Forces are linear in both, but for the rest shift of the neo-Hookean, which is a constant times J's
+        // cofactors.
+        CHECK_LINEAR_DERIVATIVE([&](double e) { return value(e, 0); }, dot_of(mu_bar, dmu), 0.1);
+        if (m == Material::corotated)
+            CHECK(norm_of(lambda_bar) == 0.0);
+        else
+            CHECK_LINEAR_DERIVATIVE([&](double e) { return value(0, e); }, dot_of(lambda_bar, dlambda), 0.1);
+    }
+    report_worst("moduli");
+}
+
+// Violently deformed and turned inside out: after `filter` no direction has negative curvature.
+void test_filter() {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Block b(kMaterials[k], 7);
+        const Body body = b.body();
+        BodyWorkspace ws;
+        evaluate(body, ws, b.sample.displaced(0.7), {1.0, -1.0});
+        CHECK(ws.inverted > 0);
+        const std::size_t n = b.sample.rest.size();
+        const auto smallest = [&] {
+            Eigen::MatrixXd h(n, n);
+            Vector unit(n, 0.0);
+            for (std::size_t j = 0; j < n; ++j) {
+                unit[j] = 1.0;
+                const Vector column = product(body, ws, unit);
+                unit[j] = 0.0;
+                for (std::size_t i = 0; i < n; ++i) h(static_cast<long>(i), static_cast<long>(j)) = column[i];
+            }
+            const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> e(0.5 * (h + h.transpose()));
+            return e.eigenvalues()(0) / e.eigenvalues().cwiseAbs().maxCoeff();
+        };
+        const double before = smallest();
+        body.filter(ws);
+        const double after = smallest();
+        print_message("%s: least eigenvalue %.1e of the largest, filtered %.1e\n", kNames[k], before, after);
+        CHECK(before < -1e-4);
+        CHECK(after > -1e-12);
+    }
+}
+
+}  // namespace
+
+int main() {
+    const CMUnitTest tests[] = {
+        TEST(test_rest_and_rigid_motion),
+        TEST(test_hooke),
+        TEST(test_derivatives),
+        TEST(test_parameters),
+        TEST(test_filter),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
