@@ -13,7 +13,7 @@
 
 namespace dqa {
 
-enum class Method : int { newton_pcg = 0, newton_direct = 1 };
+enum class Method : int { newton_pcg = 0, newton_direct = 1, projective = 2 };
 enum class Integrator : int { implicit_euler = 0, bdf2 = 1 };
 
 struct SceneSettings {

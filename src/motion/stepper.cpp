@@ -6,11 +6,13 @@
 #include <limits>
 
 #include "grid/error.hpp"
+#include "linalg/lbfgs.hpp"
 
 namespace dqa {
 namespace {
 
-constexpr double kNoise = 200.0;  // residuals below this multiple of the rounding level may stagnate
+constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
+constexpr double kNoise = 200.0;      // residuals below this multiple of the rounding level may stagnate
 
 double norm(const double* a, std::size_t n) {
     return std::sqrt(ordered_dot(a, a, n));
@@ -146,10 +148,9 @@ SymmetricMatrix Stepper::assemble() {
 }
 
 // direction_ <- -H^-1 gradient_. Returns false if no descent direction came of it (negative curvature at once).
-bool Stepper::newton_direction(double forcing, StepReport& report, bool* truncated) {
+bool Stepper::newton_direction(double forcing, StepReport& report) {
     std::vector<double> b(size_);
     for (std::size_t i = 0; i < size_; ++i) b[i] = -gradient_[i];
-    *truncated = false;
     if (scene_.method == Method::newton_direct) {
         if (!solve_positive(assemble(), b)) return false;
         direction_ = b;
@@ -161,7 +162,6 @@ bool Stepper::newton_direction(double forcing, StepReport& report, bool* truncat
         [&](const double* p, double* out) { apply_hessian(p, out); },
         [&](const double* in, double* out) { precondition(in, out); }, krylov_);
     report.linear_iterations += r.iterations;
-    *truncated = r.negative_curvature;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
     return r.iterations > 0 && std::isfinite(r.relative_residual);
 }
@@ -197,62 +197,15 @@ StepReport Stepper::step(const State& now, const StepInput& input, long step, St
 
 StepReport Stepper::solve(const State& before, const StepInput& input, long step, State& next_state) {
     StepReport report;
-    const double* signals = input.signals;
     begin(before, input);
-    std::vector<double> x(y_), candidate(size_);
+    std::vector<double> x(y_);
     for (const int i : design_->constrained()) x[static_cast<std::size_t>(i)] = before.q[static_cast<std::size_t>(i)];
-    Evaluation now = evaluate(x.data(), signals);
+    Evaluation now = evaluate(x.data(), input.signals);
     if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
-    const auto target = [&](const Evaluation& e) { return std::max(scene_.tolerance * e.scale, noise_); };
-    bool force_filter = false;
-    double previous = std::numeric_limits<double>::infinity();
-    while (now.residual > target(now)) {
-        // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
-        if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
-        previous = now.residual;
-        if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
-        if (report.newton_iterations >= scene_.max_newton)
-            fail_step(Status::NOT_CONVERGED, step, "Newton's method reached max_newton", now.residual / now.scale);
-        ++report.newton_iterations;
-        const double relative = now.residual / now.scale;
-        const double forcing = std::max(0.3 * target(now) / now.residual, std::min(0.1, std::sqrt(relative)));
-        bool truncated = false;
-        bool found = false;
-        if (!force_filter) found = newton_direction(forcing, report, &truncated);
-        bool filtered = false;
-        if (!found) {
-            design_->body().filter(body_);
-            filtered = true, ++report.filtered;
-            if (!newton_direction(forcing, report, &truncated))
-                fail_step(Status::NOT_CONVERGED, step, "no descent direction was found", relative);
-        }
-        const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
-        const std::vector<double> gradient_before = gradient_;
-        // Near the solution the energy's change drowns in its rounding; there the residual decides.
-        const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope));
-        bool accepted = false;
-        double t = 1.0;
-        Evaluation next;
-        for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
-            for (std::size_t i = 0; i < size_; ++i) candidate[i] = x[i] + t * direction_[i];
-            next = evaluate(candidate.data(), signals);
-            if (!next.finite) continue;
-            accepted = next.energy <= now.energy + 1e-4 * t * slope ||
-                       (next.energy <= now.energy + energy_noise && next.residual < now.residual);
-            if (accepted) break;
-        }
-        if (!accepted) {
-            now = evaluate(x.data(), signals);
-            if (now.residual <= kNoise * noise_) break;
-            if (filtered || force_filter)
-                fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
-            force_filter = true;  // once more from here with the filtered Hessian
-            continue;
-        }
-        force_filter = false;
-        x.swap(candidate);
-        now = next;
-    }
+    if (scene_.method == Method::projective)
+        descend_quasi_newton(x, now, input.signals, step, report);
+    else
+        descend_newton(x, now, input.signals, step, report);
     // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
     report.residual = scale > 0 ? now.residual / scale : 0.0;
@@ -263,6 +216,96 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     next_state.q.swap(x);
     if (scene_.integrator == Integrator::bdf2) next_state.q_before = before.q, next_state.v_before = before.v;
     return report;
+}
+
+bool Stepper::converged(const Evaluation& now) const {
+    return now.residual <= std::max(scene_.tolerance * now.scale, noise_);
+}
+
+void Stepper::check_cancelled(long step) const {
+    if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
+}
+
+// Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
+// otherwise they are evaluated anew where they were.
+bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
+    const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
+    // Near the solution the energy's change drowns in its rounding; there the residual decides.
+    const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope));
+    candidate_.resize(size_);
+    double t = 1.0;
+    for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
+        for (std::size_t i = 0; i < size_; ++i) candidate_[i] = x[i] + t * direction_[i];
+        const Evaluation next = evaluate(candidate_.data(), signals);
+        if (!next.finite) continue;
+        if (next.energy <= now.energy + 1e-4 * t * slope ||
+            (next.energy <= now.energy + energy_noise && next.residual < now.residual)) {
+            x.swap(candidate_);
+            now = next;
+            return true;
+        }
+    }
+    now = evaluate(x.data(), signals);
+    return false;
+}
+
+void Stepper::descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                             StepReport& report) {
+    bool force_filter = false;
+    double previous = std::numeric_limits<double>::infinity();
+    while (!converged(now)) {
+        // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
+        if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
+        previous = now.residual;
+        check_cancelled(step);
+        if (report.newton_iterations >= scene_.max_newton)
+            fail_step(Status::NOT_CONVERGED, step, "Newton's method reached max_newton", now.residual / now.scale);
+        ++report.newton_iterations;
+        const double relative = now.residual / now.scale;
+        const double target = std::max(scene_.tolerance * now.scale, noise_);
+        const double forcing = std::max(0.3 * target / now.residual, std::min(0.1, std::sqrt(relative)));
+        const bool found = !force_filter && newton_direction(forcing, report);
+        const bool filtered = !found;
+        if (filtered) {
+            design_->body().filter(body_);
+            ++report.filtered;
+            if (!newton_direction(forcing, report))
+                fail_step(Status::NOT_CONVERGED, step, "no descent direction was found", relative);
+        }
+        if (line_search(x, now, signals)) {
+            force_filter = false;
+            continue;
+        }
+        if (now.residual <= kNoise * noise_) break;
+        if (filtered) fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
+        force_filter = true;  // once more from here with the filtered Hessian
+    }
+}
+
+// L-BFGS on the projective-dynamics matrix (Liu et al. 2017), the paper's solver; the history starts anew at each step,
+// so that a step is a function of its state alone.
+void Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                                   StepReport& report) {
+    Lbfgs history(kHistory);
+    const auto initial = [&](const double* in, double* out) { precondition(in, out); };
+    while (!converged(now)) {
+        check_cancelled(step);
+        if (report.newton_iterations >= scene_.max_linear)
+            fail_step(Status::NOT_CONVERGED, step, "the quasi-Newton method reached max_linear",
+                      now.residual / now.scale);
+        ++report.newton_iterations, ++report.linear_iterations;
+        history.direction(gradient_.data(), initial, direction_);
+        std::vector<double> move(x), change(gradient_);
+        if (line_search(x, now, signals)) {
+            for (std::size_t i = 0; i < size_; ++i) move[i] = x[i] - move[i], change[i] = gradient_[i] - change[i];
+            history.remember(move, change);
+            continue;
+        }
+        if (now.residual <= kNoise * noise_) break;
+        if (history.empty())
+            fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
+        history.clear();
+    }
 }
 
 WaterTotals Stepper::totals(const State& next) const {

@@ -4,8 +4,9 @@
 // Step: q+ minimises  |q+ - y|_M^2 / (2 b^2) + E_body(q+, a) + D_water(q+; lagged state),  y = q~ + b v~,
 // v+ = (q+ - q~) / b. Implicit Euler: q~ = q, v~ = v, b = h, lagged state (q, v). BDF2 (e.g. Hairer & Wanner, sec.
 // V.1): q~ = (4 q - q_before) / 3, v~ alike, b = 2 h / 3, lagged state extrapolated: 2 q - q_before, 2 v - v_before.
-// Newton's method with conjugate gradients preconditioned by the projective-dynamics factor; the exact Hessian,
-// filtered only where it shows negative curvature. Stops at |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
+// Newton's method with conjugate gradients preconditioned by the projective-dynamics factor, or with a direct solver;
+// the exact Hessian, filtered only where it shows negative curvature. Or L-BFGS on that factor (`projective`). Stops at
+// |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
 // + |f_water|), norms over nodes: independent of the origin and of rigid motion. Constrained coordinates keep their
 // place and drop out of all of it.
 //
@@ -69,7 +70,13 @@ private:
     void precondition(const double* in, double* out);
     void mask(double* field) const;  // zero on the constrained coordinates
     SymmetricMatrix assemble();
-    bool newton_direction(double forcing, StepReport& report, bool* truncated);
+    bool newton_direction(double forcing, StepReport& report);
+    bool converged(const Evaluation& now) const;
+    void check_cancelled(long step) const;
+    bool line_search(std::vector<double>& x, Evaluation& now, const double* signals);
+    void descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step, StepReport& report);
+    void descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                              StepReport& report);
     [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
     int worst_cell() const;
 
@@ -83,7 +90,8 @@ private:
     PackedFactor::Workspace factor_;
     std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
-    std::vector<double> masked_;         // scratch of apply_hessian
+    std::vector<double> candidate_;
+    std::vector<double> masked_;  // scratch of apply_hessian
     bool two_step_ = false;
     double beta_ = 0.0;   // s
     double noise_ = 0.0;  // rounding level of the residual norm
