@@ -284,7 +284,9 @@ DQA_API dqa_status dqa_simulator_get_state(const dqa_simulator *simulator, doubl
 /* Sets the state and the clock to step 0. NULL q: rest positions; NULL v: zero. */
 DQA_API dqa_status dqa_simulator_set_state(dqa_simulator *simulator, const double *q, int64_t nq, const double *v,
                                            int64_t nv);
-/* Sensor vector [n_sensors]: positions of head, centre and tail (3 x dims), then their velocities (3 x dims). */
+/* What controllers see of the state, [n_sensors] = [5][dims], in the frame of the world: velocities of the head, centre
+ * and tail sensors (m/s), then the offsets of the head and of the tail sensor from the centre sensor (m). Head and tail
+ * sit where the density crosses half its peak on the sensor axis, centre at x = 0 (DiffAqua 2021, "Sensing"). */
 DQA_API dqa_status dqa_simulator_sensors(const dqa_simulator *simulator, double *sensors, int64_t n);
 /* Hydrodynamic totals of the last step, [4][dims]: drag force, thrust force (N, on the swimmer), then their means
  * weighted by face area (N/m^2 of wet surface). Zero before the first step. */
@@ -303,16 +305,92 @@ DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *c
                                       int64_t n_occupancy);
 
 /* ------------------------------------------------------------------ controller */
-/* a sin(omega t + phi) per signal; parameters theta [n_signals][3] = (a in [0, 1], omega in rad/s, phi in rad);
- * t is the time at the start of a step. Initially a = 1, omega = pi / (6 time_step), phi = 0. */
+/* Parameters theta and the map (sensors, step) -> actuation of that step, each signal in [-1, 1]. Recording a rollout
+ * keeps a copy of the controller; changing it later does not change the tape. */
+
+#define DQA_CONTROLLER_SINUSOID 0
+#define DQA_CONTROLLER_MLP 1
+#define DQA_CONTROLLER_CALLBACK 2
+
+/* Open loop: a sin(omega t + phi) per signal; parameters theta [n_signals][3] = (a in [0, 1], omega in rad/s, phi in
+ * rad); t is the time at the start of a step. Initially a = 1, omega = pi / (6 time_step), phi = 0. */
 DQA_API dqa_status dqa_controller_create_sinusoid(int32_t n_signals, double time_step, dqa_controller **controller);
+
+/* Closed loop: a multilayer perceptron with tanh after every layer, the output included (DiffAqua 2021, "Closed-Loop
+ * Controller"). Input: the 5 dims numbers of dqa_simulator_sensors, then, if temporal_encoding is 1, the 20 numbers
+ *   sin(2^k pi tau), k = 0 ... 9, and cos(2^k pi tau), k = 0 ... 9,   tau = (step mod period_steps) / period_steps.
+ * Parameters theta: for each layer weights [outputs][inputs], then biases [outputs]; with the defaults 7569 for 17
+ * signals, 6529 for one. Initial weights are uniform in +-scale sqrt(6 / (inputs + outputs)), biases 0 (Glorot & Bengio
+ * 2010); the same seed gives the same bits on every machine. */
+typedef struct dqa_mlp_options {
+    uint32_t struct_size;
+    uint32_t flags;             /* must be 0 */
+    int32_t n_signals;          /* outputs, in [1, 4096]; default 1 */
+    int32_t dims;               /* of the simulator, 2 or 3; default 3 */
+    int32_t n_hidden;           /* hidden layers, in [0, 5]; default 2 */
+    int32_t hidden[5];          /* neurons of each, in [1, 65536]; default 64, 64 */
+    int32_t temporal_encoding;  /* 1 (default) or 0 */
+    int32_t period_steps;       /* period of the temporal encoding in steps, >= 1; default 25 */
+    uint64_t seed;              /* of the initial weights; default 1 */
+    double scale;               /* factor on the initial weights, >= 0; default 1 */
+} dqa_mlp_options;
+DQA_API dqa_status dqa_mlp_options_init(dqa_mlp_options *options, uint64_t size);
+DQA_API dqa_status dqa_controller_create_mlp(const dqa_mlp_options *options, dqa_controller **controller);
+
+/* The caller's own controller. Writes actuation [n_signals], each in [-1, 1], of step `step` (time = step * time_step,
+ * s) from sensors [n_sensors] (as of dqa_simulator_sensors at the start of the step; NULL when n_sensors is 0) and theta
+ * [n_parameters]. Returns 0; anything else stops the call with DQA_CANCELLED and a message that names the callback. An
+ * actuation outside of [-1, 1] or not finite is DQA_ERROR_ARGUMENT. It must depend on its arguments alone: the backward
+ * sweep asks for derivatives in reverse order. */
+typedef int32_t (*dqa_control_evaluate)(int64_t step, double time, const double *sensors, int64_t n_sensors,
+                                        const double *theta, int64_t n_parameters, double *actuation, int64_t n_signals,
+                                        void *user_data);
+/* Its pullback: with J the derivative of actuation, writes theta_bar [n_parameters] = J_theta^T actuation_bar and
+ * sensors_bar [n_sensors] = J_sensors^T actuation_bar; both arrive zeroed. Returns as dqa_control_evaluate. */
+typedef int32_t (*dqa_control_pullback)(int64_t step, double time, const double *sensors, int64_t n_sensors,
+                                        const double *theta, int64_t n_parameters, const double *actuation_bar,
+                                        int64_t n_signals, double *theta_bar, double *sensors_bar, void *user_data);
+typedef struct dqa_callback_controller_options {
+    uint32_t struct_size;
+    uint32_t flags;                /* must be 0 */
+    int32_t n_signals;             /* in [1, 4096]; default 1 */
+    int32_t n_sensors;             /* 0 (default): reads none, the loop is open; otherwise 5 dims, i.e. 15 or 10 */
+    double time_step;              /* s, > 0: only for the callbacks' `time`; default 1/30 */
+    dqa_control_evaluate evaluate; /* not NULL */
+    /* NULL: no derivatives. An open loop then still gives every gradient but DQA_WRT_CONTROL; a controller that reads
+     * sensors closes a loop whose derivative is unknown, and dqa_adjoint_create refuses its tapes (DQA_ERROR_STATE). */
+    dqa_control_pullback pullback;
+    void *user_data;
+} dqa_callback_controller_options;
+DQA_API dqa_status dqa_callback_controller_options_init(dqa_callback_controller_options *options, uint64_t size);
+/* theta [n_parameters]: initial parameters, copied (NULL with n_parameters = 0: none). The callbacks and user_data must
+ * live as long as the controller and the tapes and adjoints of its rollouts; they run on the thread of the call. */
+DQA_API dqa_status dqa_controller_create_callback(const dqa_callback_controller_options *options, const double *theta,
+                                                  int64_t n_parameters, dqa_controller **controller);
 DQA_API void dqa_controller_free(dqa_controller *controller);
+
+typedef struct dqa_controller_info {
+    uint32_t struct_size;
+    int32_t kind;           /* DQA_CONTROLLER_* */
+    int32_t n_signals;
+    int32_t n_sensors;      /* length of the sensor vector it reads; 0: none */
+    int32_t has_pullback;   /* 0 or 1 */
+    int32_t padding;
+    int64_t n_parameters;
+} dqa_controller_info;
+DQA_API dqa_status dqa_controller_get_info(const dqa_controller *controller, dqa_controller_info *info, uint64_t size);
 DQA_API dqa_status dqa_controller_n_parameters(const dqa_controller *controller, int64_t *n);
 DQA_API dqa_status dqa_controller_get_parameters(const dqa_controller *controller, double *theta, int64_t n);
 DQA_API dqa_status dqa_controller_set_parameters(dqa_controller *controller, const double *theta, int64_t n);
-/* Actuation [n_signals] at a step index (>= 0), e.g. for the caller's own loop over dqa_simulator_step. */
-DQA_API dqa_status dqa_controller_evaluate(const dqa_controller *controller, int64_t step, double *actuation,
-                                           int64_t n);
+/* Actuation [n] = [n_signals] at a step index (>= 0), e.g. for the caller's own loop over dqa_simulator_step. sensors
+ * [n_sensors] as of dqa_simulator_sensors; NULL with 0 for a controller that reads none. On failure actuation keeps its
+ * values. */
+DQA_API dqa_status dqa_controller_evaluate(const dqa_controller *controller, int64_t step, const double *sensors,
+                                           int64_t n_sensors, double *actuation, int64_t n);
+/* Writes settings and parameters (atomically: a temporary file, then rename) and reads them back with the same bits. A
+ * callback controller cannot be saved (DQA_ERROR_UNSUPPORTED); a file that is none or is damaged is DQA_ERROR_FILE. */
+DQA_API dqa_status dqa_controller_save(const dqa_controller *controller, const char *path);
+DQA_API dqa_status dqa_controller_load(const char *path, dqa_controller **controller);
 
 /* ------------------------------------------------------------------ tape */
 /* The record of one rollout: design, controller parameters, states, actuations. */
@@ -367,11 +445,12 @@ DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *
 
 #define DQA_WRT_WEIGHTS 0          /* [n_bases], mean-free */
 #define DQA_WRT_CONTROL 1          /* [n_parameters] of the controller of the rollout */
-#define DQA_WRT_ACTUATION 2        /* [n_steps][n_signals] */
+#define DQA_WRT_ACTUATION 2        /* [n_steps][n_signals], of numbers added to each actuation: a closed loop reacts */
 #define DQA_WRT_INITIAL_POSITION 3 /* [n_nodes][dims] */
 #define DQA_WRT_INITIAL_VELOCITY 4 /* [n_nodes][dims] */
 
-/* A cursor over a finished tape, standing after its last step. */
+/* A cursor over a finished tape, standing after its last step. DQA_ERROR_STATE if a controller without pullback closed a
+ * loop through the sensors. */
 DQA_API dqa_status dqa_adjoint_create(dqa_tape *tape, dqa_adjoint **adjoint);
 DQA_API void dqa_adjoint_free(dqa_adjoint *adjoint);
 /* Adds `bar` [n_nodes][dims] to the seed of a quantity of the state after `step` steps. DQA_ERROR_STATE if the sweep
@@ -407,7 +486,8 @@ typedef struct dqa_gradient_check_report {
 } dqa_gradient_check_report;
 /* Proves (or refutes) the gradient of the objective of a rollout from the simulator's current state by finite
  * differences along one random direction. Runs with its own tight tolerances on a copy; the simulator is unchanged.
- * `controller` may be NULL (then actuations alternate smoothly with amplitude 1/2). */
+ * `controller` may be NULL (then actuations alternate smoothly with amplitude 1/2). With a controller, ACTUATION means
+ * numbers added to what it says, in every step, while it goes on reacting. */
 DQA_API dqa_status dqa_check_gradient(const dqa_simulator *simulator, const dqa_controller *controller,
                                       const dqa_objective_term *terms, int64_t n_terms,
                                       const dqa_gradient_check_options *options, dqa_gradient_check_report *report,

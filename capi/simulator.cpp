@@ -4,6 +4,7 @@
 #include <cinttypes>
 
 #include "internal.hpp"
+#include "motion/observation.hpp"
 
 using namespace dqa::capi;
 using dqa::fail;
@@ -116,6 +117,12 @@ void count(dqa_simulator* simulator, const dqa::StepReport& report) {
 
 namespace dqa::capi {
 
+void require_sensors(const Controller& controller, const Design& design) {
+    if (controller.n_sensors() > 0 && controller.n_sensors() != n_observed(design))
+        fail(Status::ERROR_ARGUMENT, "controller reads %d sensors, expected %d (5 dims)", controller.n_sensors(),
+             n_observed(design));
+}
+
 const Simulation& design_of(const dqa_simulator* simulator) {
     require(simulator, "simulator");
     if (!simulator->simulation)
@@ -175,7 +182,7 @@ dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_
         i.dims = dims;
         i.n_bases = static_cast<int32_t>(simulator->space->bases().size());
         i.n_signals = static_cast<int32_t>(simulator->space->categories().size());
-        i.n_sensors = 6 * dims;
+        i.n_sensors = 5 * dims;
         i.cell_size = simulator->space->box().dx;
         if (simulator->simulation) {
             const dqa::Design& d = simulator->simulation->design();
@@ -233,15 +240,15 @@ dqa_status dqa_simulator_rollout(dqa_simulator* simulator, dqa_controller* contr
         if (controller->core->n_signals() != design.n_signals())
             fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d: one per actuator category",
                  controller->core->n_signals(), design.n_signals());
+        require_sensors(*controller->core, design);
         if (n_steps < 0 || n_steps > INT32_MAX)
             fail(Status::ERROR_ARGUMENT, "n_steps is %" PRId64 ", expected a number in [0, 2^31)", n_steps);
         require_tape(simulator, tape);
         dqa::Tape* record = tape ? tape->state->tape.get() : nullptr;
-        if (n_steps > 0 && record) record->set_controller(*controller->core);
-        std::vector<double> actuation(static_cast<std::size_t>(design.n_signals()));
         for (int64_t k = 0; k < n_steps; ++k) {
             check_cancel(simulator->scene.cancel);
-            controller->core->evaluate(simulator->simulation->steps(), actuation.data());
+            const auto actuation = dqa::actuation_of(*controller->core, *simulator->simulation);
+            if (record && k == 0) record->set_controller(*controller->core);
             count(simulator, dqa::advance(*simulator->simulation, actuation, record));
             if (progress && progress(k + 1, n_steps, user_data))
                 fail(Status::CANCELLED, "cancelled by the progress callback after %" PRId64 " steps", k + 1);
@@ -278,14 +285,8 @@ dqa_status dqa_simulator_sensors(const dqa_simulator* simulator, double* sensors
     return guard([&] {
         const dqa::Simulation& s = design_of(simulator);
         require(sensors, "sensors");
-        const int dims = s.design().set().box.dims;
-        require_count(n, 6 * dims, "n", "sensors [2][3][dims]");
-        for (int k = 0; k < 3; ++k) {
-            const dqa::Vec3 x = s.design().sensors().read(k, s.q().data()),
-                            u = s.design().sensors().read(k, s.v().data());
-            points_out(x.data(), 1, dims, sensors + k * dims);
-            points_out(u.data(), 1, dims, sensors + (3 + k) * dims);
-        }
+        const auto seen = dqa::observe(s.design(), s.q().data(), s.v().data());
+        copy_out(seen.data(), seen.size(), sensors, n, "n", "sensors [5][dims]");
     });
 }
 

@@ -321,6 +321,7 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
         if (controller && controller->core->n_signals() != simulation.design().n_signals())
             fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d", controller->core->n_signals(),
                  simulation.design().n_signals());
+        if (controller) require_sensors(*controller->core, simulation.design());
         dqa::GradientCheckSettings s;
         s.quantity = static_cast<dqa::WithRespectTo>(o.with_respect_to);
         s.n_steps = o.n_steps, s.seed = o.seed, s.step = o.step;

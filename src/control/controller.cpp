@@ -26,13 +26,18 @@ void Sinusoid::set_parameters(const std::vector<double>& theta) {
     theta_ = theta;
 }
 
-void Sinusoid::evaluate(long step, double* actuation) const {
+bool Sinusoid::equals(const Controller& other) const {
+    const auto* o = dynamic_cast<const Sinusoid*>(&other);
+    return o && o->time_step_ == time_step_ && o->theta_ == theta_;
+}
+
+void Sinusoid::evaluate(long step, const double*, double* actuation) const {
     const double t = static_cast<double>(step) * time_step_;
     for (std::size_t k = 0; k < theta_.size() / 3; ++k)
         actuation[k] = theta_[3 * k] * std::sin(theta_[3 * k + 1] * t + theta_[3 * k + 2]);
 }
 
-void Sinusoid::pullback(long step, const double* actuation_bar, double* theta_bar) const {
+void Sinusoid::pullback(long step, const double*, const double* actuation_bar, double* theta_bar, double*) const {
     const double t = static_cast<double>(step) * time_step_;
     for (std::size_t k = 0; k < theta_.size() / 3; ++k) {
         const double phase = theta_[3 * k + 1] * t + theta_[3 * k + 2];

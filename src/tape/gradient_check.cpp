@@ -26,7 +26,8 @@ struct Random {
     }
 };
 
-// Everything a rollout depends on, so that each of it can be perturbed.
+// Everything a rollout depends on, so that each of it can be perturbed. actuation: added to what the controller says,
+// if there is one.
 struct Inputs {
     std::vector<double> weights, theta, actuation, q, v;
 };
@@ -46,14 +47,8 @@ public:
         base_.q = simulation.q(), base_.v = simulation.v();
         if (controller) controller_ = controller->clone(), base_.theta = controller->parameters();
         const int n = origin_->n_signals();
-        for (int k = 0; k < n_steps; ++k) {
-            std::vector<double> a(static_cast<std::size_t>(n));
-            if (controller)
-                controller->evaluate(first_step_ + k, a.data());
-            else
-                for (int s = 0; s < n; ++s) a[static_cast<std::size_t>(s)] = 0.5 * std::sin(0.5 * (k + 1) + s);
-            base_.actuation.insert(base_.actuation.end(), a.begin(), a.end());
-        }
+        for (int k = 0; k < n_steps; ++k)
+            for (int s = 0; s < n; ++s) base_.actuation.push_back(controller ? 0.0 : 0.5 * std::sin(0.5 * (k + 1) + s));
         design_ = design_for(base_.weights);
         // At the tight tolerance a cell at the edge of the active set may have entered or left.
         base_.q = carried(base_.q, origin_->set(), *design_, design_->rest());
@@ -75,14 +70,16 @@ public:
         for (int k = 0; k < n_steps_; ++k) {
             std::vector<double> a(in.actuation.begin() + static_cast<long>(n) * k,
                                   in.actuation.begin() + static_cast<long>(n) * (k + 1));
-            if (controller && changed == WithRespectTo::control) controller->evaluate(first_step_ + k, a.data());
+            if (controller) {
+                const std::vector<double> said = actuation_of(*controller, simulation);
+                for (std::size_t i = 0; i < n; ++i) a[i] += said[i];
+            }
             advance(simulation, a, tape.get());
         }
         return tape;
     }
 
     double loss(const Inputs& in, WithRespectTo changed) const { return run(in, changed)->objective(terms_, nullptr); }
-    long first_step() const { return first_step_; }
 
 private:
     std::shared_ptr<const Design> design_for(const std::vector<double>& weights) const {
@@ -108,7 +105,7 @@ private:
         const Design& design = simulation.design();
         const std::vector<double> q = carried(in.q, design_->set(), design, design.rest());
         const std::vector<double> v = carried(in.v, design_->set(), design, std::vector<double>(q.size(), 0.0));
-        simulation.set_state(q.data(), v.data());
+        simulation.restore({q, v, {}, {}}, first_step_);
     }
 
     std::vector<ObjectiveTerm> terms_;
@@ -206,16 +203,9 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         case WithRespectTo::weights:
             gradient = adjoint.weights_bar();
             break;
-        case WithRespectTo::control: {
-            // The rollout's clock begins at 0, the caller's may not: use the actuations' cotangents directly.
-            const std::vector<double> bar = adjoint.actuation_bar();
-            gradient.assign(rollout.base().theta.size(), 0.0);
-            const std::size_t n = static_cast<std::size_t>(rollout.design().n_signals());
-            for (int k = 0; k < settings.n_steps; ++k)
-                controller->pullback(rollout.first_step() + k, bar.data() + n * static_cast<std::size_t>(k),
-                                     gradient.data());
+        case WithRespectTo::control:
+            gradient = adjoint.control_bar();
             break;
-        }
         case WithRespectTo::actuation:
             gradient = adjoint.actuation_bar();
             break;

@@ -25,7 +25,8 @@ struct GradientCheckReport {
 };
 
 // Checks the objective of a rollout from the simulation's current state. controller may be null: the actuation is then
-// a fixed smooth signal of amplitude 1/2. Tolerances are tightened to rounding on a copy of the design.
+// a fixed smooth signal of amplitude 1/2. With one, its loop through the sensors is closed. Tolerances are tightened to
+// rounding on a copy of the design.
 GradientCheckReport check_gradient(const Simulation& simulation, const Controller* controller,
                                    const std::vector<ObjectiveTerm>& terms, const GradientCheckSettings& settings);
 

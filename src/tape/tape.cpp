@@ -50,8 +50,9 @@ bool Tape::continues(const Simulation& simulation) const {
 }
 
 void Tape::set_controller(const Controller& controller) {
-    if (controller_ && controller_->parameters() != controller.parameters())
-        fail(Status::ERROR_STATE, "the tape was recorded with other controller parameters; clear it first");
+    if (controller_ && !controller_->equals(controller))
+        fail(Status::ERROR_STATE,
+             "the tape was recorded with another controller or other controller parameters; clear it first");
     if (!controller_ && n_steps() > 0)
         fail(Status::ERROR_STATE, "the tape holds steps that no controller drove; clear it first");
     controller_ = controller.clone();
@@ -122,6 +123,14 @@ Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
       bar_(tape_->design().zero_bar()) {
     state_bar_.q.assign(tape_->design().rest().size(), 0.0);
     state_bar_.v = state_bar_.q;
+    const Controller* controller = tape_->controller();
+    if (!controller) return;
+    if (controller->n_sensors() > 0 && !controller->differentiable())
+        fail(Status::ERROR_STATE,
+             "the tape's controller reads %d sensors but has no pullback callback: without it the loop through the "
+             "sensors cannot be closed; give one, or drive the steps one by one",
+             controller->n_sensors());
+    theta_bar_.assign(controller->parameters().size(), 0.0);
 }
 
 namespace {
@@ -167,6 +176,18 @@ void Adjoint::collect(long step) {
     qs = {}, vs = {};
 }
 
+void Adjoint::control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const {
+    const Controller* controller = tape_->controller();
+    if (!controller || !controller->differentiable()) return;
+    std::vector<double> seen, seen_bar(static_cast<std::size_t>(controller->n_sensors()), 0.0);
+    if (!seen_bar.empty()) seen = observe(tape_->design(), now.q.data(), now.v.data());
+    controller->pullback(tape_->first_step() + step, seen.data(), out.signals.data(), theta_bar.data(),
+                         seen_bar.data());
+    if (!seen_bar.empty())
+        observe_pullback(tape_->design(), now.q.data(), now.v.data(), seen_bar.data(), out.state.q.data(),
+                         out.state.v.data(), bar);
+}
+
 void Adjoint::backward(long to_step, const StepMonitor& monitor) {
     if (!begun_) {
         collect(position_);
@@ -176,12 +197,15 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
     while (position_ > to_step) {
         const long step = position_ - 1;
         // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
-        const AdjointReport report =
-            stepper_.adjoint(tape_->state(step), {tape_->actuation(step).data(), tape_->current(step)},
-                             tape_->state(step + 1), step, state_bar_, step_bar_, bar_);
+        const State now = tape_->state(step);
+        std::vector<double> theta_bar(theta_bar_);
+        DesignBar bar(bar_);
+        const AdjointReport report = stepper_.adjoint(now, {tape_->actuation(step).data(), tape_->current(step)},
+                                                      tape_->state(step + 1), step, state_bar_, step_bar_, bar);
+        control(step, now, step_bar_, theta_bar, bar);
         iterations_ += report.linear_iterations;
         worst_residual_ = std::max(worst_residual_, report.residual);
-        std::swap(state_bar_, step_bar_.state);
+        std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);
         signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
         position_ = step;
         collect(step);
@@ -197,10 +221,9 @@ std::vector<double> Adjoint::weights_bar() {
 std::vector<double> Adjoint::control_bar() const {
     const Controller* controller = tape_->controller();
     if (!controller) fail(Status::ERROR_STATE, "CONTROL: the tape was not driven by a controller");
-    std::vector<double> bar(controller->parameters().size(), 0.0);
-    for (std::size_t k = 0; k < signal_bar_.size(); ++k)
-        controller->pullback(tape_->first_step() + static_cast<long>(k), signal_bar_[k].data(), bar.data());
-    return bar;
+    if (!controller->differentiable())
+        fail(Status::ERROR_STATE, "CONTROL: the tape's controller has no pullback callback");
+    return theta_bar_;
 }
 
 std::vector<double> Adjoint::actuation_bar() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "control/controller.hpp"
+#include "motion/observation.hpp"
 #include "motion/simulation.hpp"
 #include "tape/objective.hpp"
 
@@ -75,6 +76,7 @@ StepReport advance(Simulation& simulation, const std::vector<double>& signals, T
 
 class Adjoint {
 public:
+    // Throws ERROR_STATE if the tape's controller reads sensors but has no pullback: its loop cannot be closed.
     explicit Adjoint(std::shared_ptr<const Tape> tape);
 
     const Tape& tape() const { return *tape_; }
@@ -87,6 +89,7 @@ public:
 
     std::vector<double> weights_bar();  // cached after the first call
     std::vector<double> control_bar() const;
+    // Of numbers added to the actuation of each step; the controller reacts to what follows from them.
     std::vector<double> actuation_bar() const;
     const std::vector<double>& position_bar() const { return state_bar_.q; }
     const std::vector<double>& velocity_bar() const { return state_bar_.v; }
@@ -96,6 +99,8 @@ public:
 
 private:
     void collect(long step);  // seeds of a state into the running cotangents
+    // Cotangents of the controller in one step.
+    void control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const;
 
     std::shared_ptr<const Tape> tape_;
     Stepper stepper_;
@@ -106,6 +111,7 @@ private:
     StepBar step_bar_;
     std::vector<std::vector<double>> signal_bar_;
     DesignBar bar_;
+    std::vector<double> theta_bar_;
     std::vector<double> weights_bar_;
     std::int64_t iterations_ = 0;
     double worst_residual_ = 0.0;

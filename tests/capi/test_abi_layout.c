@@ -109,6 +109,37 @@ AT(dqa_simulator_info, last_residual, 136)
 AT(dqa_simulator_info, setup_seconds, 144)
 AT(dqa_simulator_info, barycenter_seconds, 152)
 
+SIZE(dqa_mlp_options, 64)
+AT(dqa_mlp_options, struct_size, 0)
+AT(dqa_mlp_options, flags, 4)
+AT(dqa_mlp_options, n_signals, 8)
+AT(dqa_mlp_options, dims, 12)
+AT(dqa_mlp_options, n_hidden, 16)
+AT(dqa_mlp_options, hidden, 20)
+AT(dqa_mlp_options, temporal_encoding, 40)
+AT(dqa_mlp_options, period_steps, 44)
+AT(dqa_mlp_options, seed, 48)
+AT(dqa_mlp_options, scale, 56)
+
+SIZE(dqa_callback_controller_options, 48)
+AT(dqa_callback_controller_options, struct_size, 0)
+AT(dqa_callback_controller_options, flags, 4)
+AT(dqa_callback_controller_options, n_signals, 8)
+AT(dqa_callback_controller_options, n_sensors, 12)
+AT(dqa_callback_controller_options, time_step, 16)
+AT(dqa_callback_controller_options, evaluate, 24)
+AT(dqa_callback_controller_options, pullback, 32)
+AT(dqa_callback_controller_options, user_data, 40)
+
+SIZE(dqa_controller_info, 32)
+AT(dqa_controller_info, struct_size, 0)
+AT(dqa_controller_info, kind, 4)
+AT(dqa_controller_info, n_signals, 8)
+AT(dqa_controller_info, n_sensors, 12)
+AT(dqa_controller_info, has_pullback, 16)
+AT(dqa_controller_info, padding, 20)
+AT(dqa_controller_info, n_parameters, 24)
+
 SIZE(dqa_tape_options, 16)
 AT(dqa_tape_options, struct_size, 0)
 AT(dqa_tape_options, flags, 4)
@@ -159,6 +190,8 @@ static void sizes_agree(void** state) {
     dqa_tape_options tape;
     dqa_objective_term term;
     dqa_gradient_check_options check;
+    dqa_mlp_options mlp;
+    dqa_callback_controller_options callback;
     (void)state;
     ok(dqa_shape_space_options_init(&space, sizeof space));
     ok(dqa_simulator_options_init(&simulator, sizeof simulator));
@@ -166,12 +199,16 @@ static void sizes_agree(void** state) {
     ok(dqa_tape_options_init(&tape, sizeof tape));
     ok(dqa_objective_term_init(&term, sizeof term));
     ok(dqa_gradient_check_options_init(&check, sizeof check));
+    ok(dqa_mlp_options_init(&mlp, sizeof mlp));
+    ok(dqa_callback_controller_options_init(&callback, sizeof callback));
     assert_int_equal(space.struct_size, sizeof space);
     assert_int_equal(simulator.struct_size, sizeof simulator);
     assert_int_equal(actuator.struct_size, sizeof actuator);
     assert_int_equal(tape.struct_size, sizeof tape);
     assert_int_equal(term.struct_size, sizeof term);
     assert_int_equal(check.struct_size, sizeof check);
+    assert_int_equal(mlp.struct_size, sizeof mlp);
+    assert_int_equal(callback.struct_size, sizeof callback);
 }
 
 int main(void) {

@@ -63,7 +63,7 @@ static void any_order_of_frees(void** state) {
                 ok(dqa_simulator_get_info(simulator, &info, sizeof info));
                 ok(dqa_simulator_step(simulator, u, info.n_signals, NULL));
             }
-            if (controller) ok(dqa_controller_evaluate(controller, 1, u, n_parameters / 3));
+            if (controller) ok(dqa_controller_evaluate(controller, 1, NULL, 0, u, n_parameters / 3));
             if (tape) ok(dqa_tape_n_steps(tape, &n_steps));
             if (adjoint && i == 3) {
                 /* The last one alive: its parents are there as long as it needs them. */

@@ -55,6 +55,14 @@ static dqa_status check_gradient(const void* options) {
     return dqa_check_gradient(simulator, NULL, &term, 1, options, &report, sizeof report);
 }
 
+static dqa_status create_mlp(const void* options) {
+    dqa_controller* made = (dqa_controller*)&made;
+    const dqa_status status = dqa_controller_create_mlp(options, &made);
+    assert_true((made == NULL) == (status != DQA_SUCCESS));
+    dqa_controller_free(made);
+    return status;
+}
+
 static dqa_status init_space(void* options, uint64_t size) {
     return dqa_shape_space_options_init(options, size);
 }
@@ -74,6 +82,13 @@ static dqa_status init_check(void* options, uint64_t size) {
     return dqa_gradient_check_options_init(options, size);
 }
 
+static dqa_status init_mlp(void* options, uint64_t size) {
+    return dqa_mlp_options_init(options, size);
+}
+static dqa_status init_callback(void* options, uint64_t size) {
+    return dqa_callback_controller_options_init(options, size);
+}
+
 static const struct {
     const char* name;
     uint32_t size;
@@ -86,6 +101,8 @@ static const struct {
     {"tape", sizeof(dqa_tape_options), init_tape, create_tape},
     {"term", sizeof(dqa_objective_term), init_term, NULL},
     {"gradient_check", sizeof(dqa_gradient_check_options), init_check, check_gradient},
+    {"mlp", sizeof(dqa_mlp_options), init_mlp, create_mlp},
+    {"callback_controller", sizeof(dqa_callback_controller_options), init_callback, NULL},
 };
 
 /* Room for a struct of a later release, its tail included. */

@@ -41,7 +41,7 @@ static void null_arguments(void** state) {
     refused(dqa_simulator_rollout(simulator, NULL, 1, NULL, NULL, NULL), DQA_ERROR_ARGUMENT, "controller");
     refused(dqa_simulator_get_state(NULL, x, 1, NULL, 0), DQA_ERROR_ARGUMENT, "simulator");
     refused(dqa_simulator_set_state(NULL, NULL, 0, NULL, 0), DQA_ERROR_ARGUMENT, "simulator");
-    refused(dqa_simulator_sensors(NULL, x, 18), DQA_ERROR_ARGUMENT, "simulator");
+    refused(dqa_simulator_sensors(NULL, x, 15), DQA_ERROR_ARGUMENT, "simulator");
     refused(dqa_simulator_sensors(simulator, NULL, info_of(simulator).n_sensors), DQA_ERROR_ARGUMENT, "sensors");
     refused(dqa_simulator_forces(NULL, x, 12), DQA_ERROR_ARGUMENT, "simulator");
     refused(dqa_simulator_forces(simulator, NULL, 12), DQA_ERROR_ARGUMENT, "forces");
@@ -83,7 +83,7 @@ static void most_calls_need_a_design(void** state) {
     assert_int_equal(dqa_simulator_rollout(simulator, controller, 1, NULL, NULL, NULL), DQA_ERROR_STATE);
     assert_int_equal(dqa_simulator_get_state(simulator, x, 3, NULL, 0), DQA_ERROR_STATE);
     assert_int_equal(dqa_simulator_set_state(simulator, NULL, 0, NULL, 0), DQA_ERROR_STATE);
-    assert_int_equal(dqa_simulator_sensors(simulator, x, 18), DQA_ERROR_STATE);
+    assert_int_equal(dqa_simulator_sensors(simulator, x, 15), DQA_ERROR_STATE);
     assert_int_equal(dqa_simulator_forces(simulator, x, 12), DQA_ERROR_STATE);
     assert_int_equal(dqa_simulator_surface(simulator, x, 3, i, 3, NULL, NULL), DQA_ERROR_STATE);
     assert_int_equal(dqa_simulator_mesh(simulator, i, 8, NULL, 0, NULL, 0), DQA_ERROR_STATE);
@@ -127,7 +127,7 @@ static void info_is_consistent(void** state) {
     assert_int_equal(info.struct_size, sizeof info);
     assert_int_equal(info.dims, 3);
     assert_int_equal(info.has_design, 1);
-    assert_true(info.n_signals > 0 && info.n_sensors == 18);
+    assert_true(info.n_signals > 0 && info.n_sensors == 15);
     assert_true(info.n_body_cells > 0 && info.n_active_cells >= info.n_body_cells);
     assert_true(info.n_muscle_cells > 0 && info.n_muscle_cells <= info.n_active_cells);
     assert_true(info.n_nodes > info.n_active_cells && info.n_nodes <= 8 * info.n_active_cells);
@@ -211,21 +211,22 @@ static void state_goes_in_and_out(void** state) {
 static void sensors_and_forces(void** state) {
     dqa_simulator* simulator = tiny_simulator(space);
     const dqa_simulator_info info = info_of(simulator);
-    double sensors[18], forces[12], u[64] = {0};
+    double sensors[16], forces[12], u[64] = {0};
     int i;
     (void)state;
-    refused(dqa_simulator_sensors(simulator, sensors, 17), DQA_ERROR_ARGUMENT, "sensors|n");
+    refused(dqa_simulator_sensors(simulator, sensors, 16), DQA_ERROR_ARGUMENT, "sensors|n");
     refused(dqa_simulator_forces(simulator, forces, 13), DQA_ERROR_ARGUMENT, "forces|n");
     ok(dqa_simulator_sensors(simulator, sensors, info.n_sensors));
-    assert_true(sensors[0] > sensors[3] && sensors[3] > sensors[6]); /* head, centre, tail; heading along +x */
-    for (i = 9; i < 18; ++i) assert_true(sensors[i] == 0.0);
+    for (i = 0; i < 9; ++i) assert_true(sensors[i] == 0.0); /* velocities at rest */
+    assert_true(sensors[9] > 0.3 && sensors[12] < -0.3);    /* the head is ahead of the centre, the tail behind */
+    for (i = 1; i < 3; ++i) assert_true(fabs(sensors[9 + i]) < 1e-12 && fabs(sensors[12 + i]) < 1e-12);
     ok(dqa_simulator_forces(simulator, forces, 12));
     for (i = 0; i < 12; ++i) assert_true(forces[i] == 0.0);
     u[0] = 0.5;
     ok(dqa_simulator_step(simulator, u, info.n_signals, NULL));
     ok(dqa_simulator_sensors(simulator, sensors, info.n_sensors));
     ok(dqa_simulator_forces(simulator, forces, 12));
-    for (i = 0; i < 18; ++i) assert_true(isfinite(sensors[i]));
+    for (i = 0; i < 15; ++i) assert_true(isfinite(sensors[i]));
     for (i = 0; i < 12; ++i) assert_true(isfinite(forces[i]));
     dqa_simulator_free(simulator);
 }

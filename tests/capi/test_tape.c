@@ -78,7 +78,7 @@ static void records_what_happened(void** state) {
     assert_int_equal(n_steps, 0);
     ok(dqa_simulator_get_state(simulator, q, n, v, n));
     for (step = 0; step < STEPS; ++step) {
-        ok(dqa_controller_evaluate(controller, step, u, n_signals()));
+        ok(dqa_controller_evaluate(controller, step, NULL, 0, u, n_signals()));
         ok(dqa_simulator_step(simulator, u, n_signals(), tape));
         ok(dqa_simulator_get_state(simulator, q + n * (step + 1), n, v + n * (step + 1), n));
     }
@@ -91,7 +91,7 @@ static void records_what_happened(void** state) {
     }
     ok(dqa_tape_get_state(tape, 0, NULL, 0, NULL, 0));
     for (step = 0; step < STEPS; ++step) {
-        ok(dqa_controller_evaluate(controller, step, u, n_signals()));
+        ok(dqa_controller_evaluate(controller, step, NULL, 0, u, n_signals()));
         ok(dqa_tape_get_actuation(tape, step, u2, n_signals()));
         assert_memory_equal(u, u2, (size_t)n_signals() * sizeof *u);
     }

@@ -22,7 +22,7 @@ void check_all(const Vector& weights, bool moving) {
         s.set_state(nullptr, v.data());
         for (int k = 0; k < 3; ++k) {
             double a = 0.0;
-            controller.evaluate(k, &a);
+            controller.evaluate(k, nullptr, &a);
             s.step({&a, s.design().scene().hydrodynamics.current});
         }
     }

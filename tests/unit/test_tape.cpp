@@ -216,13 +216,13 @@ void test_controller_and_clock() {
     controller.set_parameters({0.7, 9.0, 0.4});
     Simulation s(design);
     double a = 0.0;
-    controller.evaluate(0, &a);
+    controller.evaluate(0, nullptr, &a);
     NEAR(a, 0.7 * std::sin(0.4), 1e-15);
     advance(s, {a}, nullptr);  // not recorded: the tape's clock starts at 1
     auto tape = std::make_shared<Tape>(0);
     tape->set_controller(controller);
     for (int k = 0; k < 4; ++k) {
-        controller.evaluate(s.steps(), &a);
+        controller.evaluate(s.steps(), nullptr, &a);
         advance(s, {a}, tape.get());
         CHECK(tape->continues(s) && tape->n_steps() == k + 1);
     }
@@ -236,7 +236,7 @@ void test_controller_and_clock() {
         Sinusoid changed(controller);
         changed.assign_parameters(plus(theta, e, d));
         Vector signals;
-        for (int k = 1; k <= 4; ++k) changed.evaluate(k, &a), signals.push_back(a);
+        for (int k = 1; k <= 4; ++k) changed.evaluate(k, nullptr, &a), signals.push_back(a);
         return roll(design, q1, v1, signals)->objective({{}}, nullptr);
     };
     CHECK_DERIVATIVE(loss, dot_of(bar, d), 0.1);
