@@ -397,7 +397,12 @@ DQA_API dqa_status dqa_controller_load(const char *path, dqa_controller **contro
 typedef struct dqa_tape_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */
-    int64_t memory_bytes;    /* budget for recorded states; 0: unlimited (default). Exceeding it is DQA_ERROR_MEMORY */
+    /* Budget for recorded inputs and states; 0: unlimited (default). Beyond it the tape keeps every 2nd, 4th, 8th ...
+     * state in half of it and computes the others again when they are asked for, with the same bits and without asking
+     * a controller again; every adjoint then holds states of its own, in as much as the other half. Fewer bytes than
+     * four states (positions and velocities of one, twice as much with BDF2) and all inputs are DQA_ERROR_MEMORY.
+     * Seeds of the caller's own and working memory of the solver are not counted. */
+    int64_t memory_bytes;
 } dqa_tape_options;
 DQA_API dqa_status dqa_tape_options_init(dqa_tape_options *options, uint64_t size);
 /* An empty tape for the simulator's rollouts; the first recorded step fixes design and initial state. */
@@ -406,7 +411,8 @@ DQA_API void dqa_tape_free(dqa_tape *tape);
 /* Empties the tape for another rollout. DQA_ERROR_STATE while an adjoint of it lives. */
 DQA_API dqa_status dqa_tape_clear(dqa_tape *tape);
 DQA_API dqa_status dqa_tape_n_steps(const dqa_tape *tape, int64_t *n_steps);
-/* State after `step` steps, step in [0, n_steps]; q, v [n_nodes][dims]. NULL: not wanted. */
+/* State after `step` steps, step in [0, n_steps]; q, v [n_nodes][dims]. NULL: not wanted. States that a memory budget
+ * made the tape drop are computed again: cheapest in order, from the first to the last. */
 DQA_API dqa_status dqa_tape_get_state(dqa_tape *tape, int64_t step, double *q, int64_t nq, double *v, int64_t nv);
 /* Actuation [n_signals] used in step `step`, in [0, n_steps). */
 DQA_API dqa_status dqa_tape_get_actuation(dqa_tape *tape, int64_t step, double *actuation, int64_t n);
@@ -424,6 +430,8 @@ typedef struct dqa_tape_statistics {
     int64_t adjoint_iterations;  /* of all backward sweeps so far */
     double worst_residual;       /* largest relative force residual of the recorded steps */
     double worst_adjoint_residual;
+    int64_t checkpoints;         /* states held by the tape: steps + 1 while all of them are */
+    int64_t recomputed_steps;    /* steps computed again by backward sweeps and reads so far */
 } dqa_tape_statistics;
 DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);
 

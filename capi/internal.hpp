@@ -6,12 +6,14 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "diffaqua.h"
 #include "grid/error.hpp"
 #include "tape/gradient_check.hpp"
+#include "tape/reader.hpp"
 #include "tape/tape.hpp"
 
 struct dqa_cancel_token {
@@ -40,6 +42,9 @@ namespace dqa::capi {
 struct TapeState {
     explicit TapeState(std::int64_t memory_bytes) : tape(std::make_shared<Tape>(memory_bytes)) {}
     std::shared_ptr<Tape> tape;
+    // For dqa_tape_get_state and _surface: states computed again are not lost between the calls.
+    std::mutex reading;
+    TapeReader reader{*tape};
     std::shared_ptr<int> simulator;
     std::shared_ptr<std::atomic<std::int64_t>> simulator_adjoint_iterations;
     std::atomic<int> adjoints{0};

@@ -104,6 +104,7 @@ dqa_status dqa_tape_clear(dqa_tape* tape) {
         require(tape, "tape");
         if (tape->state->adjoints > 0) fail(Status::ERROR_STATE, "tape: an adjoint of it lives; free it first");
         tape->state->tape->clear();
+        tape->state->reader.reset();
     });
 }
 
@@ -122,8 +123,11 @@ dqa_status dqa_tape_get_state(dqa_tape* tape, int64_t step, double* q, int64_t n
         const int64_t n = static_cast<int64_t>(t.design().n_nodes()) * dims;
         if (q) require_count(nq, n, "nq", "q [n_nodes][dims]");
         if (v) require_count(nv, n, "nv", "v [n_nodes][dims]");
-        if (q) points_out(t.q(step).data(), t.q(step).size() / 3, dims, q);
-        if (v) points_out(t.v(step).data(), t.q(step).size() / 3, dims, v);
+        if (!q && !v) return;
+        const std::lock_guard<std::mutex> lock(tape->state->reading);
+        const dqa::State& state = tape->state->reader.state(static_cast<long>(step));
+        points_out(state.q.data(), state.q.size() / 3, dims, q);
+        points_out(state.v.data(), state.v.size() / 3, dims, v);
     });
 }
 
@@ -144,7 +148,8 @@ dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, 
         const int dims = t.design().set().box.dims;
         require_count(nv, dims * static_cast<int64_t>(t.design().surface().vertices.size()), "nv",
                       "vertices [n_vertices][dims]");
-        const auto x = t.design().carry_surface(t.q(step).data());
+        const std::lock_guard<std::mutex> lock(tape->state->reading);
+        const auto x = t.design().carry_surface(tape->state->reader.state(static_cast<long>(step)).q.data());
         for (std::size_t k = 0; k < x.size(); ++k)
             points_out(x[k].data(), 1, dims, vertices + dims * static_cast<int64_t>(k));
     });
@@ -161,6 +166,8 @@ dqa_status dqa_tape_stats(const dqa_tape* tape, dqa_tape_statistics* statistics,
         out.newton_iterations = s.newton_iterations, out.linear_iterations = s.linear_iterations;
         out.adjoint_iterations = state.adjoint_iterations.load();
         out.worst_residual = s.worst_residual;
+        out.checkpoints = state.tape->n_kept();
+        out.recomputed_steps = state.tape->recomputed_steps();
         out.worst_adjoint_residual = state.worst_adjoint_residual.load();
         write_struct(statistics, size, out, "statistics");
     });

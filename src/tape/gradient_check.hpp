@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "tape/tape.hpp"
+#include "tape/adjoint.hpp"
 
 namespace dqa {
 

@@ -2,43 +2,114 @@
 #include "tape/tape.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "grid/error.hpp"
+#include "tape/reader.hpp"
 
 namespace dqa {
+namespace {
 
-std::int64_t Tape::step_bytes(const Design& design) const {
-    return static_cast<std::int64_t>(sizeof(double)) * (3 * design.n_nodes() + design.n_signals() + 3) *
-           (design.scene().integrator == Integrator::bdf2 ? 2 : 1);
+bool is_two_step(const Design& design) {
+    return design.scene().integrator == Integrator::bdf2;
 }
 
-void Tape::require_room(const Design& design) const {
+std::int64_t field_bytes(const Design& design) {
+    return static_cast<std::int64_t>(sizeof(double) * design.rest().size());
+}
+
+// A state by itself, and one among all others.
+std::int64_t state_bytes(const Design& design) {
+    return field_bytes(design) * (is_two_step(design) ? 4 : 2);
+}
+std::int64_t dense_bytes(const Design& design) {
+    return field_bytes(design) * (is_two_step(design) ? 2 : 1);
+}
+
+std::int64_t input_bytes(const Design& design) {
+    return static_cast<std::int64_t>(sizeof(double)) * (design.n_signals() + 3);
+}
+
+std::int64_t bytes_of(const State& s) {
+    return static_cast<std::int64_t>(sizeof(double) *
+                                     (s.q.size() + s.v.size() + s.q_before.size() + s.v_before.size()));
+}
+
+}  // namespace
+
+void Tape::make_room(const Design& design) {
     if (memory_bytes_ <= 0) return;
-    const std::int64_t step = step_bytes(design);
-    const std::int64_t need = statistics_.bytes + (design_ ? step : 3 * step);  // the first step holds two states and v
-    if (need > memory_bytes_)
+    const std::int64_t state = state_bytes(design), inputs = (n_steps() + 1) * input_bytes(design);
+    if (memory_bytes_ < inputs + 4 * state)
         fail(Status::ERROR_MEMORY, "memory_bytes is %lld, expected at least %lld to record step %ld of %d nodes",
-             static_cast<long long>(memory_bytes_), static_cast<long long>(need), n_steps(), design.n_nodes());
+             static_cast<long long>(memory_bytes_), static_cast<long long>(inputs + 4 * state), n_steps(),
+             design.n_nodes());
+    if (stride_ == 1) {
+        const std::int64_t now = empty() ? state : statistics_.bytes;
+        if (now + dense_bytes(design) + input_bytes(design) <= memory_bytes_) return;
+    }
+    // The states after the coming step: every stride-th, the first included, and the last.
+    const std::int64_t room = (memory_bytes_ - inputs) / 2;
+    long stride = std::max(2L, stride_);
+    while (((n_steps() + 1) / stride + 2) * state > room) stride *= 2;
+    if (stride == stride_) return;
+    try {
+        thin(stride);
+    } catch (...) {  // out of memory half-way: nothing is left that could be used
+        clear();
+        throw;
+    }
+}
+
+void Tape::thin(long stride) {
+    std::vector<State> kept;
+    if (stride_ == 1) {
+        last_ = kept_state(n_steps());
+        for (long k = 0; k <= n_steps(); k += stride) {
+            kept.push_back(kept_state(k));
+            // What came before is not needed any more.
+            for (long j = std::max(0L, k - stride); j < k; ++j) states_[static_cast<std::size_t>(j)] = {};
+        }
+    } else {
+        const std::size_t factor = static_cast<std::size_t>(stride / stride_);
+        for (std::size_t k = 0; k < states_.size(); k += factor) kept.push_back(std::move(states_[k]));
+    }
+    states_ = std::move(kept);
+    stride_ = stride;
+    count_bytes();
+}
+
+void Tape::count_bytes() {
+    statistics_.bytes = bytes_of(last_) + n_steps() * input_bytes(*design_);
+    for (const State& s : states_) statistics_.bytes += bytes_of(s);
 }
 
 void Tape::begin(const Simulation& simulation) {
     if (design_) return;
     design_ = simulation.shared_design();
-    q_.push_back(simulation.q());
-    v_.push_back(simulation.v());
-    before_first_ = simulation.state();
-    before_first_.q.clear(), before_first_.v.clear();
+    states_.push_back(simulation.state());
     first_step_ = simulation.steps();
-    statistics_.bytes = 2 * static_cast<std::int64_t>(sizeof(double) * simulation.v().size());
+    count_bytes();
 }
 
 void Tape::append(const Simulation& simulation, const StepInput& input, const StepReport& report) {
-    q_.push_back(simulation.q());
-    if (design_->scene().integrator == Integrator::bdf2) v_.push_back(simulation.v());
     actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
     current_.push_back(input.current);
-    statistics_.bytes += step_bytes(*design_);
+    statistics_.bytes += input_bytes(*design_);
+    if (stride_ == 1) {
+        State s;
+        s.q = simulation.q();
+        if (is_two_step(*design_)) s.v = simulation.v();
+        statistics_.bytes += bytes_of(s);
+        states_.push_back(std::move(s));
+    } else {
+        statistics_.bytes -= bytes_of(last_);
+        last_ = simulation.state();
+        statistics_.bytes += bytes_of(last_);
+        if (n_steps() % stride_ == 0) {
+            states_.push_back(last_);
+            statistics_.bytes += bytes_of(last_);
+        }
+    }
     statistics_.newton_iterations += report.newton_iterations;
     statistics_.linear_iterations += report.linear_iterations;
     statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
@@ -46,7 +117,7 @@ void Tape::append(const Simulation& simulation, const StepInput& input, const St
 
 bool Tape::continues(const Simulation& simulation) const {
     return empty() || (design_ == simulation.shared_design() && first_step_ + n_steps() == simulation.steps() &&
-                       state(n_steps()) == simulation.state());
+                       kept_state(n_steps()) == simulation.state());
 }
 
 void Tape::set_controller(const Controller& controller) {
@@ -61,36 +132,51 @@ void Tape::set_controller(const Controller& controller) {
 void Tape::clear() {
     design_.reset();
     controller_.reset();
-    q_.clear(), v_.clear(), actuation_.clear(), current_.clear();
-    before_first_ = {};
+    states_.clear(), actuation_.clear(), current_.clear();
+    last_ = {};
+    stride_ = 1;
     first_step_ = 0;
     statistics_ = {};
+    recomputed_ = 0;
 }
 
-std::vector<double> Tape::v(long step) const {
-    if (static_cast<std::size_t>(step) < v_.size()) return v_[static_cast<std::size_t>(step)];
-    const std::vector<double>&a = q(step - 1), &b = q(step);
-    const double h = design_->scene().time_step;
-    std::vector<double> out(a.size());
-    for (std::size_t i = 0; i < a.size(); ++i) out[i] = (b[i] - a[i]) / h;
-    for (const int i : design_->constrained()) out[static_cast<std::size_t>(i)] = 0.0;
-    return out;
-}
-
-State Tape::state(long step) const {
+State Tape::kept_state(long step) const {
+    if (stride_ > 1) return step == n_steps() ? last_ : states_[static_cast<std::size_t>(step / stride_)];
+    const std::size_t k = static_cast<std::size_t>(step);
+    if (k == 0) return states_[0];
     State s;
-    if (step == 0)
-        s = before_first_;
-    else if (design_->scene().integrator == Integrator::bdf2)
-        s.q_before = q(step - 1), s.v_before = v(step - 1);
-    s.q = q(step), s.v = v(step);
+    s.q = states_[k].q, s.v = states_[k].v;
+    if (is_two_step(*design_)) {
+        s.q_before = states_[k - 1].q, s.v_before = states_[k - 1].v;
+        return s;
+    }
+    const double h = design_->scene().time_step;
+    s.v.resize(s.q.size());
+    for (std::size_t i = 0; i < s.q.size(); ++i) s.v[i] = (s.q[i] - states_[k - 1].q[i]) / h;
+    for (const int i : design_->constrained()) s.v[static_cast<std::size_t>(i)] = 0.0;
     return s;
 }
 
+State Tape::state(long step) const {
+    return keeps(step) ? kept_state(step) : TapeReader(*this).state(step);
+}
+
+long Tape::reader_slots() const {
+    if (stride_ == 1) return 0;
+    const std::int64_t room = (memory_bytes_ - n_steps() * input_bytes(*design_)) / 2;
+    return static_cast<long>(room / state_bytes(*design_)) - 2;
+}
+
+std::int64_t Tape::n_kept() const {
+    if (empty()) return 0;
+    return static_cast<std::int64_t>(states_.size()) + (stride_ > 1 && n_steps() % stride_ != 0 ? 1 : 0);
+}
+
 double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const {
+    const std::vector<double> first = q(0), last = q(n_steps());
     double loss = 0.0;
     for (std::size_t k = 0; k < terms.size(); ++k) {
-        const double value = travel_loss(*design_, q_.front().data(), q_.back().data());
+        const double value = travel_loss(*design_, first.data(), last.data());
         if (per_term) per_term[k] = value;
         loss += terms[k].weight * value;
     }
@@ -99,8 +185,8 @@ double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term
 
 StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape) {
     const StepInput input{signals.data(), simulation.design().scene().hydrodynamics.current};
-    if (tape) tape->require_room(simulation.design());
     if (!tape) return simulation.step(input);
+    tape->make_room(simulation.design());
     const bool first = tape->empty();
     tape->begin(simulation);
     try {
@@ -111,127 +197,6 @@ StepReport advance(Simulation& simulation, const std::vector<double>& signals, T
         if (first) tape->clear();
         throw;
     }
-}
-
-Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
-    : tape_(std::move(tape)),
-      stepper_(tape_->shared_design()),
-      position_(tape_->n_steps()),
-      q_seed_(static_cast<std::size_t>(position_) + 1),
-      v_seed_(static_cast<std::size_t>(position_) + 1),
-      signal_bar_(static_cast<std::size_t>(position_)),
-      bar_(tape_->design().zero_bar()) {
-    state_bar_.q.assign(tape_->design().rest().size(), 0.0);
-    state_bar_.v = state_bar_.q;
-    const Controller* controller = tape_->controller();
-    if (!controller) return;
-    if (controller->n_sensors() > 0 && !controller->differentiable())
-        fail(Status::ERROR_STATE,
-             "the tape's controller reads %d sensors but has no pullback callback: without it the loop through the "
-             "sensors cannot be closed; give one, or drive the steps one by one",
-             controller->n_sensors());
-    theta_bar_.assign(controller->parameters().size(), 0.0);
-}
-
-namespace {
-
-void accumulate(std::vector<double>& into, const double* bar, std::size_t n) {
-    if (into.empty()) into.assign(n, 0.0);
-    for (std::size_t i = 0; i < n; ++i) into[i] += bar[i];
-}
-
-}  // namespace
-
-void Adjoint::seed_position(long step, const double* bar) {
-    // The cursor's own state has been collected once the sweep began: add to the running cotangent there.
-    if (begun_ && step == position_)
-        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += bar[i];
-    else
-        accumulate(q_seed_[static_cast<std::size_t>(step)], bar, state_bar_.q.size());
-}
-
-void Adjoint::seed_velocity(long step, const double* bar) {
-    if (begun_ && step == position_)
-        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += bar[i];
-    else
-        accumulate(v_seed_[static_cast<std::size_t>(step)], bar, state_bar_.v.size());
-}
-
-void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
-    if (begun_) fail(Status::ERROR_STATE, "seed_objective: the backward sweep has already begun");
-    std::vector<double> first(state_bar_.q.size(), 0.0), last(state_bar_.q.size(), 0.0);
-    for (const ObjectiveTerm& t : terms)
-        travel_pullback(tape_->design(), tape_->q(0).data(), tape_->q(tape_->n_steps()).data(), t.weight, first.data(),
-                        last.data(), bar_.spine.data());
-    seed_position(0, first.data());
-    seed_position(tape_->n_steps(), last.data());
-}
-
-void Adjoint::collect(long step) {
-    auto &qs = q_seed_[static_cast<std::size_t>(step)], &vs = v_seed_[static_cast<std::size_t>(step)];
-    if (!qs.empty())
-        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += qs[i];
-    if (!vs.empty())
-        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += vs[i];
-    qs = {}, vs = {};
-}
-
-void Adjoint::control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const {
-    const Controller* controller = tape_->controller();
-    if (!controller || !controller->differentiable()) return;
-    std::vector<double> seen, seen_bar(static_cast<std::size_t>(controller->n_sensors()), 0.0);
-    if (!seen_bar.empty()) seen = observe(tape_->design(), now.q.data(), now.v.data());
-    controller->pullback(tape_->first_step() + step, seen.data(), out.signals.data(), theta_bar.data(),
-                         seen_bar.data());
-    if (!seen_bar.empty())
-        observe_pullback(tape_->design(), now.q.data(), now.v.data(), seen_bar.data(), out.state.q.data(),
-                         out.state.v.data(), bar);
-}
-
-void Adjoint::backward(long to_step, const StepMonitor& monitor) {
-    if (!begun_) {
-        collect(position_);
-        begun_ = true;
-    }
-    const long from = position_;
-    while (position_ > to_step) {
-        const long step = position_ - 1;
-        // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
-        const State now = tape_->state(step);
-        std::vector<double> theta_bar(theta_bar_);
-        DesignBar bar(bar_);
-        const AdjointReport report = stepper_.adjoint(now, {tape_->actuation(step).data(), tape_->current(step)},
-                                                      tape_->state(step + 1), step, state_bar_, step_bar_, bar);
-        control(step, now, step_bar_, theta_bar, bar);
-        iterations_ += report.linear_iterations;
-        worst_residual_ = std::max(worst_residual_, report.residual);
-        std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);
-        signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
-        position_ = step;
-        collect(step);
-        if (monitor) monitor(from - position_, from - to_step);
-    }
-}
-
-std::vector<double> Adjoint::weights_bar() {
-    if (weights_bar_.empty()) weights_bar_ = tape_->design().weights_bar(bar_, nullptr);
-    return weights_bar_;
-}
-
-std::vector<double> Adjoint::control_bar() const {
-    const Controller* controller = tape_->controller();
-    if (!controller) fail(Status::ERROR_STATE, "CONTROL: the tape was not driven by a controller");
-    if (!controller->differentiable())
-        fail(Status::ERROR_STATE, "CONTROL: the tape's controller has no pullback callback");
-    return theta_bar_;
-}
-
-std::vector<double> Adjoint::actuation_bar() const {
-    std::vector<double> out;
-    const std::size_t n = static_cast<std::size_t>(tape_->design().n_signals());
-    for (const auto& s : signal_bar_)
-        for (std::size_t k = 0; k < n; ++k) out.push_back(s.empty() ? 0.0 : s[k]);
-    return out;
 }
 
 }  // namespace dqa

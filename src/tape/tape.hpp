@@ -1,21 +1,28 @@
 // SPDX-License-Identifier: MIT
-// The record of one rollout and the backward sweep over it. Under implicit Euler velocities are not stored:
-// v_{i+1} = (q_{i+1} - q_i) / h gives the same bits again.
+// The record of one rollout. Without a memory budget, or within it, every state is kept; beyond it every second,
+// fourth, eighth ... alone, and the states between are computed again when they are asked for (tape/reader.hpp). A step
+// is a function of the integrator's state and recorded inputs, so these have the same bits, and no controller is asked
+// again.
+//
+// Budget: inputs of all steps, plus states. While all states are kept they may fill it; thinned out they take half of
+// it, and every reader (an adjoint has one) may hold states of its own in as much as the other half. The least budget
+// holds four states: the first and the last here, the two ends of a step in a reader. Working memory of the solver is
+// not counted.
+//
+// Under implicit Euler velocities are not stored while all states are kept: v_{i+1} = (q_{i+1} - q_i) / h gives the
+// same bits again.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "control/controller.hpp"
-#include "motion/observation.hpp"
 #include "motion/simulation.hpp"
 #include "tape/objective.hpp"
 
 namespace dqa {
-
-using StepMonitor = std::function<void(long done, long total)>;  // may throw to cancel
 
 class Tape {
 public:
@@ -27,8 +34,8 @@ public:
     std::shared_ptr<const Design> shared_design() const { return design_; }
     const Controller* controller() const { return controller_.get(); }
 
-    // Throws ERROR_MEMORY if one more step would exceed the budget.
-    void require_room(const Design& design) const;
+    // Thins out the states if one more step would exceed the budget; throws ERROR_MEMORY if that is not enough.
+    void make_room(const Design& design);
     // Called before the first step is recorded: fixes design and initial state.
     void begin(const Simulation& simulation);
     // The simulation after a step with this actuation.
@@ -39,14 +46,20 @@ public:
     void set_controller(const Controller& controller);
     void clear();
 
-    const std::vector<double>& q(long step) const { return q_[static_cast<std::size_t>(step)]; }
-    std::vector<double> v(long step) const;
-    // The integrator's state after `step` steps.
+    // The integrator's state after `step` steps, computed again if it was not kept; many are read better by a
+    // TapeReader.
     State state(long step) const;
+    std::vector<double> q(long step) const { return state(step).q; }
+    std::vector<double> v(long step) const { return state(step).v; }
     const Vec3& current(long step) const { return current_[static_cast<std::size_t>(step)]; }
     const std::vector<double>& actuation(long step) const { return actuation_[static_cast<std::size_t>(step)]; }
     // Clock of the simulation when the first step was taken: controllers see step + first_step.
     long first_step() const { return first_step_; }
+
+    bool keeps(long step) const { return step % stride_ == 0 || step == n_steps(); }
+    State kept_state(long step) const;
+    // How many states a reader may hold beside the two ends of a step.
+    long reader_slots() const;
 
     double objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const;
 
@@ -55,66 +68,30 @@ public:
         double worst_residual = 0.0;
     };
     const Statistics& statistics() const { return statistics_; }
+    std::int64_t n_kept() const;
+    std::int64_t recomputed_steps() const { return recomputed_.load(); }
+    void count_recomputed() const { ++recomputed_; }
 
 private:
-    std::int64_t step_bytes(const Design& design) const;
+    void thin(long stride);
+    void count_bytes();
 
     std::int64_t memory_bytes_;
     std::shared_ptr<const Design> design_;
     std::unique_ptr<Controller> controller_;
-    std::vector<std::vector<double>> q_;
-    std::vector<std::vector<double>> v_;  // of all states for a two-step integrator, else of the first alone
-    State before_first_;                  // its q_before and v_before
+    long stride_ = 1;
+    // States 0, stride, 2 stride ... With stride 1 they lack what their neighbours tell: before, and under implicit
+    // Euler v, except in the first.
+    std::vector<State> states_;
+    State last_;  // if the stride is not 1
     std::vector<Vec3> current_;
     std::vector<std::vector<double>> actuation_;
     long first_step_ = 0;
     Statistics statistics_;
+    mutable std::atomic<std::int64_t> recomputed_{0};  // by readers, perhaps on several threads
 };
 
 // One step driven by given signals, recorded if tape is not null.
 StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape);
-
-class Adjoint {
-public:
-    // Throws ERROR_STATE if the tape's controller reads sensors but has no pullback: its loop cannot be closed.
-    explicit Adjoint(std::shared_ptr<const Tape> tape);
-
-    const Tape& tape() const { return *tape_; }
-    long position() const { return position_; }  // state index the sweep stands at
-    bool begun() const { return begun_; }
-    void seed_position(long step, const double* bar);
-    void seed_velocity(long step, const double* bar);
-    void seed_objective(const std::vector<ObjectiveTerm>& terms);
-    void backward(long to_step, const StepMonitor& monitor);
-
-    std::vector<double> weights_bar();  // cached after the first call
-    std::vector<double> control_bar() const;
-    // Of numbers added to the actuation of each step; the controller reacts to what follows from them.
-    std::vector<double> actuation_bar() const;
-    const std::vector<double>& position_bar() const { return state_bar_.q; }
-    const std::vector<double>& velocity_bar() const { return state_bar_.v; }
-
-    std::int64_t iterations() const { return iterations_; }
-    double worst_residual() const { return worst_residual_; }
-
-private:
-    void collect(long step);  // seeds of a state into the running cotangents
-    // Cotangents of the controller in one step.
-    void control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const;
-
-    std::shared_ptr<const Tape> tape_;
-    Stepper stepper_;
-    long position_;
-    bool begun_ = false;
-    std::vector<std::vector<double>> q_seed_, v_seed_;  // per state; empty: none
-    State state_bar_;                                   // running cotangents of the cursor's state
-    StepBar step_bar_;
-    std::vector<std::vector<double>> signal_bar_;
-    DesignBar bar_;
-    std::vector<double> theta_bar_;
-    std::vector<double> weights_bar_;
-    std::int64_t iterations_ = 0;
-    double worst_residual_ = 0.0;
-};
 
 }  // namespace dqa

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Time steps: two solvers with one answer, conservation, order in h, invariance, and the same bits for any threads.
 #include "motion_fixtures.hpp"
-#include "tape/tape.hpp"
+#include "tape/adjoint.hpp"
 
 namespace {
 

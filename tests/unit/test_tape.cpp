@@ -3,7 +3,7 @@
 // refuses.
 #include "control/controller.hpp"
 #include "motion_fixtures.hpp"
-#include "tape/tape.hpp"
+#include "tape/adjoint.hpp"
 
 namespace {
 
@@ -256,18 +256,21 @@ void test_controller_and_clock() {
 
 void test_memory_and_failures() {
     const auto design = design_of(SceneSettings{});
-    const std::int64_t state = 8 * static_cast<std::int64_t>(design->rest().size());
-    Tape tape(4 * state + 100);  // two states and a velocity, then one more
+    const std::int64_t state = 2 * 8 * static_cast<std::int64_t>(design->rest().size()), inputs = 8 * 4;
+    Tape tape(4 * state + 2 * inputs);  // the least, and the inputs of two steps
     Simulation s(design);
     advance(s, {0.1}, &tape);
     advance(s, {0.2}, &tape);
-    CHECK(tape.n_steps() == 2 && tape.statistics().bytes <= 4 * state + 100);
+    CHECK(tape.n_steps() == 2 && tape.statistics().bytes <= 4 * state + 2 * inputs);
     const Vector q(s.q());
     EXPECT_ERROR(ERROR_MEMORY, "to record step 2", advance(s, {0.3}, &tape));
     CHECK(s.q() == q && s.steps() == 2 && tape.n_steps() == 2 && tape.continues(s));
     CHECK(tape.statistics().newton_iterations >= 2 && tape.statistics().worst_residual <= 1e-6);
     tape.clear();
-    CHECK(tape.empty() && tape.n_steps() == 0 && tape.statistics().bytes == 0);
+    CHECK(tape.empty() && tape.n_steps() == 0 && tape.statistics().bytes == 0 && tape.n_kept() == 0);
+    Tape small(4 * state + inputs - 1);
+    EXPECT_ERROR(ERROR_MEMORY, "to record step 0", advance(s, {0.3}, &small));
+    CHECK(small.empty() && s.steps() == 2);
     // A failed first step leaves no trace.
     SceneSettings scene;
     scene.max_newton = 1;

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "tape/adjoint.hpp"
+
+#include <algorithm>
+
+#include "grid/error.hpp"
+
+namespace dqa {
+
+Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
+    : tape_(std::move(tape)),
+      reader_(*tape_),
+      stepper_(tape_->shared_design()),
+      position_(tape_->n_steps()),
+      q_seed_(static_cast<std::size_t>(position_) + 1),
+      v_seed_(static_cast<std::size_t>(position_) + 1),
+      signal_bar_(static_cast<std::size_t>(position_)),
+      bar_(tape_->design().zero_bar()) {
+    state_bar_.q.assign(tape_->design().rest().size(), 0.0);
+    state_bar_.v = state_bar_.q;
+    const Controller* controller = tape_->controller();
+    if (!controller) return;
+    if (controller->n_sensors() > 0 && !controller->differentiable())
+        fail(Status::ERROR_STATE,
+             "the tape's controller reads %d sensors but has no pullback callback: without it the loop through the "
+             "sensors cannot be closed; give one, or drive the steps one by one",
+             controller->n_sensors());
+    theta_bar_.assign(controller->parameters().size(), 0.0);
+}
+
+namespace {
+
+void accumulate(std::vector<double>& into, const double* bar, std::size_t n) {
+    if (into.empty()) into.assign(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) into[i] += bar[i];
+}
+
+}  // namespace
+
+void Adjoint::seed_position(long step, const double* bar) {
+    // The cursor's own state has been collected once the sweep began: add to the running cotangent there.
+    if (begun_ && step == position_)
+        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += bar[i];
+    else
+        accumulate(q_seed_[static_cast<std::size_t>(step)], bar, state_bar_.q.size());
+}
+
+void Adjoint::seed_velocity(long step, const double* bar) {
+    if (begun_ && step == position_)
+        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += bar[i];
+    else
+        accumulate(v_seed_[static_cast<std::size_t>(step)], bar, state_bar_.v.size());
+}
+
+void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
+    if (begun_) fail(Status::ERROR_STATE, "seed_objective: the backward sweep has already begun");
+    std::vector<double> first(state_bar_.q.size(), 0.0), last(state_bar_.q.size(), 0.0);
+    for (const ObjectiveTerm& t : terms)
+        travel_pullback(tape_->design(), tape_->q(0).data(), tape_->q(tape_->n_steps()).data(), t.weight, first.data(),
+                        last.data(), bar_.spine.data());
+    seed_position(0, first.data());
+    seed_position(tape_->n_steps(), last.data());
+}
+
+void Adjoint::collect(long step) {
+    auto &qs = q_seed_[static_cast<std::size_t>(step)], &vs = v_seed_[static_cast<std::size_t>(step)];
+    if (!qs.empty())
+        for (std::size_t i = 0; i < state_bar_.q.size(); ++i) state_bar_.q[i] += qs[i];
+    if (!vs.empty())
+        for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += vs[i];
+    qs = {}, vs = {};
+}
+
+void Adjoint::control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const {
+    const Controller* controller = tape_->controller();
+    if (!controller || !controller->differentiable()) return;
+    std::vector<double> seen, seen_bar(static_cast<std::size_t>(controller->n_sensors()), 0.0);
+    if (!seen_bar.empty()) seen = observe(tape_->design(), now.q.data(), now.v.data());
+    controller->pullback(tape_->first_step() + step, seen.data(), out.signals.data(), theta_bar.data(),
+                         seen_bar.data());
+    if (!seen_bar.empty())
+        observe_pullback(tape_->design(), now.q.data(), now.v.data(), seen_bar.data(), out.state.q.data(),
+                         out.state.v.data(), bar);
+}
+
+void Adjoint::backward(long to_step, const StepMonitor& monitor) {
+    if (!begun_) {
+        next_ = reader_.state(position_);
+        collect(position_);
+        begun_ = true;
+    }
+    const long from = position_;
+    while (position_ > to_step) {
+        const long step = position_ - 1;
+        // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
+        const State& now = reader_.state(step);
+        std::vector<double> theta_bar(theta_bar_);
+        DesignBar bar(bar_);
+        const AdjointReport report = stepper_.adjoint(now, {tape_->actuation(step).data(), tape_->current(step)}, next_,
+                                                      step, state_bar_, step_bar_, bar);
+        control(step, now, step_bar_, theta_bar, bar);
+        iterations_ += report.linear_iterations;
+        worst_residual_ = std::max(worst_residual_, report.residual);
+        std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);
+        signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
+        next_ = now;
+        position_ = step;
+        collect(step);
+        if (monitor) monitor(from - position_, from - to_step);
+    }
+}
+
+std::vector<double> Adjoint::weights_bar() {
+    if (weights_bar_.empty()) weights_bar_ = tape_->design().weights_bar(bar_, nullptr);
+    return weights_bar_;
+}
+
+std::vector<double> Adjoint::control_bar() const {
+    const Controller* controller = tape_->controller();
+    if (!controller) fail(Status::ERROR_STATE, "CONTROL: the tape was not driven by a controller");
+    if (!controller->differentiable())
+        fail(Status::ERROR_STATE, "CONTROL: the tape's controller has no pullback callback");
+    return theta_bar_;
+}
+
+std::vector<double> Adjoint::actuation_bar() const {
+    std::vector<double> out;
+    const std::size_t n = static_cast<std::size_t>(tape_->design().n_signals());
+    for (const auto& s : signal_bar_)
+        for (std::size_t k = 0; k < n; ++k) out.push_back(s.empty() ? 0.0 : s[k]);
+    return out;
+}
+
+}  // namespace dqa
