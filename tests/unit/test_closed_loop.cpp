@@ -16,10 +16,13 @@ const std::shared_ptr<const ShapeSpace>& space() {
     return s;
 }
 
-std::shared_ptr<const Design> design_of(const Vector& weights = {0.6, 0.4}) {
+std::shared_ptr<const Design> design_of(const Vector& weights = {0.6, 0.4},
+                                        const std::shared_ptr<const ShapeSpace>& in = space(),
+                                        Integrator integrator = Integrator::implicit_euler) {
     SceneSettings scene = tight_scene();
+    scene.integrator = integrator;
     scene.hydrodynamics.current = {-0.6, 0.0, 0.0};
-    return make_design(scene, weights, space());
+    return make_design(scene, weights, in);
 }
 
 void test_observation() {
@@ -92,8 +95,8 @@ CallbackSettings reflex_settings() {
     return s;
 }
 
-void check_all(const char* name, const Controller& controller, const Vector& weights) {
-    Simulation s(design_of(weights));
+void check_all(const char* name, const Controller& controller, const std::shared_ptr<const Design>& design) {
+    Simulation s(design);
     const Vector v = swirl(s.q(), 0.3);
     s.set_state(nullptr, v.data());
     for (int k = 0; k < 2; ++k) advance(s, actuation_of(controller, s), nullptr);  // in motion, at clock 2
@@ -114,11 +117,30 @@ void check_all(const char* name, const Controller& controller, const Vector& wei
 void test_perceptron() {
     PerceptronSettings s;
     s.hidden = {16, 12}, s.seed = 5, s.scale = 1.5;
-    check_all("perceptron", Perceptron(s), {0.6, 0.4});
+    check_all("perceptron", Perceptron(s), design_of());
 }
 
 void test_callback() {
-    check_all("callback", CallbackController(reflex_settings(), {0.9, 11.0, 1.4, 6.0}), {0.3, 0.7});
+    check_all("callback", CallbackController(reflex_settings(), {0.9, 11.0, 1.4, 6.0}), design_of({0.3, 0.7}));
+}
+
+// In two dimensions the sensor vector has ten numbers.
+void test_in_the_plane() {
+    PerceptronSettings s;
+    s.hidden = {16, 12}, s.seed = 6, s.scale = 1.5, s.dims = 2;
+    const auto design = design_of({0.6, 0.4}, plane_space());
+    CHECK(n_observed(*design) == 10);
+    const Vector v = swirl(design->rest(), 1.0), seen = observe(*design, design->rest().data(), v.data());
+    CHECK(seen.size() == 10 && seen[6] > 0 && seen[8] < 0);
+    CHECK(seen[1] == design->sensors().read(Sensors::head, v.data())[1] && seen[5] != 0.0);
+    check_all("plane", Perceptron(s), design);
+}
+
+// The integrator with memory, and a sweep that crosses its first step.
+void test_two_steps() {
+    PerceptronSettings s;
+    s.hidden = {16, 12}, s.seed = 7, s.scale = 1.5;
+    check_all("BDF2", Perceptron(s), design_of({0.6, 0.4}, space(), Integrator::bdf2));
 }
 
 std::shared_ptr<Tape> recorded(const Controller& controller, int n_steps) {
@@ -229,13 +251,9 @@ void test_threads_give_the_same_bits() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_observation),
-        TEST(test_perceptron),
-        TEST(test_callback),
-        TEST(test_the_loop_is_closed),
-        TEST(test_failure_in_the_sweep),
-        TEST(test_without_pullback),
-        TEST(test_threads_give_the_same_bits),
+        TEST(test_observation),          TEST(test_perceptron),       TEST(test_callback),
+        TEST(test_in_the_plane),         TEST(test_two_steps),        TEST(test_the_loop_is_closed),
+        TEST(test_failure_in_the_sweep), TEST(test_without_pullback), TEST(test_threads_give_the_same_bits),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
