@@ -202,6 +202,13 @@ typedef struct dqa_adjoint dqa_adjoint;
 
 #define DQA_WATER_NONE 0
 #define DQA_WATER_IMPLICIT 1 /* lagged coefficients in a convex dissipation of the new velocity */
+#define DQA_WATER_EXPLICIT 2 /* for comparison: drag and thrust at the start of the step, constant during it, as the
+                                paper's public code has them; light surface nodes blow up at ordinary time steps */
+
+#define DQA_FACES_BOTH 0     /* every face of the surface counts, as the paper's equations say */
+#define DQA_FACES_WINDWARD 1 /* for comparison: only faces that move into the water (n . v_rel < 0 at the start of the
+                                step) count, as in the paper's public code. The force jumps at Phi = 0: gradients hold
+                                within one set of counted faces and are not promised to pass finite differences */
 
 typedef struct dqa_simulator_options {
     uint32_t struct_size;
@@ -231,6 +238,8 @@ typedef struct dqa_simulator_options {
     double angle_smoothing;      /* rad, in (0, 0.5]: rounds the cone of Cd and Ct at head-on flow; default 0.02 */
     double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
     dqa_cancel_token *cancel;    /* NULL: none */
+    int32_t water_faces;         /* DQA_FACES_*: default DQA_FACES_BOTH */
+    int32_t padding;             /* must be 0 */
 } dqa_simulator_options;
 
 DQA_API dqa_status dqa_simulator_options_init(dqa_simulator_options *options, uint64_t size);

@@ -41,8 +41,10 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.threads, o.threads >= 1 && o.threads <= 1024, "threads", "a number in [1, 1024]");
     require_range(o.method, o.method == DQA_METHOD_NEWTON_PCG || o.method == DQA_METHOD_NEWTON_DIRECT, "method",
                   "DQA_METHOD_NEWTON_PCG or DQA_METHOD_NEWTON_DIRECT");
-    require_range(o.water, o.water == DQA_WATER_NONE || o.water == DQA_WATER_IMPLICIT, "water",
-                  "DQA_WATER_NONE or DQA_WATER_IMPLICIT");
+    require_range(o.water, o.water >= DQA_WATER_NONE && o.water <= DQA_WATER_EXPLICIT, "water", "one of DQA_WATER_*");
+    require_range(o.water_faces, o.water_faces == DQA_FACES_BOTH || o.water_faces == DQA_FACES_WINDWARD, "water_faces",
+                  "DQA_FACES_BOTH or DQA_FACES_WINDWARD");
+    require_range(o.padding, o.padding == 0, "padding", "0");
     require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
     require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
     require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
@@ -79,7 +81,9 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     }
     s.threads = o.threads;
     s.method = static_cast<dqa::Method>(o.method);
-    s.water = o.water == DQA_WATER_IMPLICIT;
+    s.water = o.water != DQA_WATER_NONE;
+    s.hydrodynamics.explicit_forces = o.water == DQA_WATER_EXPLICIT;
+    s.hydrodynamics.windward_only = o.water_faces == DQA_FACES_WINDWARD;
     s.max_newton = o.max_newton, s.max_linear = o.max_linear;
     s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
     s.time_step = o.time_step;

@@ -121,7 +121,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double speed = std::sqrt(dot(u, u) + eps2);
             const double su = dot(spine, u), lateral2 = dot(u, u) - su * su;
             const double x = dot(a, u) / (area * speed);
-            const double w = half_rho * std::fabs(f.weight) * area;
+            const double w = half_rho * std::fabs(f.weight) * area * counted(x);
             ws.area[i] = area;
             for (std::size_t k = 0; k < 3; ++k) ws.n[3 * i + k] = a[k] / area, ws.u[3 * i + k] = u[k];
             ws.cd[i] = w * laws_.drag(x).value * speed;
@@ -143,17 +143,28 @@ std::pair<Vec3, Vec3> Water::diagonals(const Face& f, const double* q) {
     return {d1, d2};
 }
 
+Vec3 Water::force_velocity(const WaterWorkspace& ws, std::size_t i, const double* q_new, const double* q_base,
+                           double inv_h) const {
+    return settings_.explicit_forces ? at(ws.u.data(), static_cast<int>(3 * i))
+                                     : new_velocity(ws, faces_[i], q_new, q_base, inv_h);
+}
+
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                        double* out) const {
     const double energy = parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
         double e = 0.0;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-            const Vec3 u = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
+            const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
             const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
             const double nu = dot(n, u);
-            e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
-            for (std::size_t k = 0; k < 3; ++k)
-                ws.force[3 * i + k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
+            double* force = ws.force.data() + 3 * i;
+            for (std::size_t k = 0; k < 3; ++k) force[k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
+            if (settings_.explicit_forces) {
+                const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
+                e += h * (force[0] * fresh[0] + force[1] * fresh[1] + force[2] * fresh[2]);
+            } else {
+                e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
+            }
         }
         return e;
     });
@@ -162,6 +173,7 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
 }
 
 void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
+    if (settings_.explicit_forces) return;  // constant during the step
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = mean_of(p, faces_[i].nodes);
@@ -179,7 +191,7 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];
-        const Vec3 un = new_velocity(ws, f, q_new, q_base, 1.0 / h), l = mean_of(lambda, f.nodes);
+        const Vec3 un = force_velocity(ws, i, q_new, q_base, 1.0 / h), l = mean_of(lambda, f.nodes);
         const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i)), u = at(ws.u.data(), static_cast<int>(3 * i));
         const double area = ws.area[i], nl = dot(n, l), nun = dot(n, un);
         // phi = c_d l.u+ + c_t (n.l)(n.u+) + k n.l
@@ -192,20 +204,23 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
         const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
         const double nu = dot(n, u), x = nu / speed;
         const LawValue cd = laws_.drag(x), ts = laws_.thrust_slope(x);
-        const double w = half_rho * std::fabs(f.weight) * area, rest = laws_.thrust_rest();
+        const double factor = counted(x), rest = laws_.thrust_rest();
+        const double w = half_rho * std::fabs(f.weight) * area * factor;
         const double w_bar = cd_bar * cd.value * speed + ct_bar * ts.value * lateral2 / speed + k_bar * rest * lateral2;
         const double x_bar = w * (cd_bar * cd.derivative * speed + ct_bar * ts.derivative * lateral2 / speed);
         const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
         const double speed_bar =
             w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
-        const double area_bar = w_bar * half_rho * std::fabs(f.weight);
-        const double weight_bar = w_bar * half_rho * area;
+        const double area_bar = w_bar * half_rho * std::fabs(f.weight) * factor;
+        const double weight_bar = w_bar * half_rho * area * factor;
         Vec3 u_bar{};
         for (std::size_t k = 0; k < 3; ++k) {
             u_bar[k] = x_bar * n[k] / speed + speed_bar * u[k] / speed + lateral_bar * 2.0 * (u[k] - su * ws.spine[k]);
             n_bar[k] += x_bar * u[k] / speed;
             spine_bar[k] -= lateral_bar * 2.0 * su * u[k];
         }
+        if (settings_.explicit_forces)  // un is u
+            for (std::size_t k = 0; k < 3; ++k) u_bar[k] += un_bar[k], un_bar[k] = 0.0;
         // n = a / area, area = sqrt(|a|^2 + tiny): a_bar = (n_bar - n (n.n_bar)) / area + area_bar n.
         const double nn = dot(n, n_bar);
         Vec3 a_bar{};
@@ -234,7 +249,7 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
     WaterTotals t;
     double wet = 0.0;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
-        const Vec3 u = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
+        const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
         const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
         t.drag = axpy(-ws.cd[i], u, t.drag);
         t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);

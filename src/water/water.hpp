@@ -8,6 +8,11 @@
 //   force on the swimmer at the new velocity u+:  -(c_d u+ + c_t n (n.u+) + k n),  a quarter to each corner.
 // The first two terms are the gradient of the convex dissipation h/2 (c_d |u+|^2 + c_t (n.u+)^2): with explicit forces
 // the light nodes of the surface blow up.
+//
+// Two variants for comparison, as the public code of DiffAqua evaluates the force: `explicit_forces` puts the velocity
+// of the start of the step in the place of u+ (the force is then that of the paper, constant during the step), and
+// `windward_only` counts only faces that move into the water (n.u > 0). The latter jumps at Phi = 0: its pullback is
+// that of the side on which a face lies.
 #pragma once
 
 #include <array>
@@ -28,6 +33,8 @@ struct WaterSettings {
     double speed_smoothing = 1e-2;  // m/s
     double angle_smoothing = 0.02;  // rad
     double surface_smoothing = 1e-2;
+    bool explicit_forces = false;
+    bool windward_only = false;
 };
 
 // Lagged coefficients of every face, [n_faces] each; n [n_faces][3]; and the state they came from.
@@ -79,6 +86,11 @@ private:
     static Vec3 new_velocity(const WaterWorkspace& ws, const Face& f, const double* q_new, const double* q_base,
                              double inv_h);
     static std::pair<Vec3, Vec3> diagonals(const Face& f, const double* q);
+    // The velocity that the force of face i is taken at: u+, or the lagged one of explicit forces.
+    Vec3 force_velocity(const WaterWorkspace& ws, std::size_t i, const double* q_new, const double* q_base,
+                        double inv_h) const;
+    // Factor of the lagged coefficients: 0 for a face that does not count.
+    double counted(double x) const { return settings_.windward_only && !(x > 0.0) ? 0.0 : 1.0; }
     void add_to_nodes(const double* face_force, double* out, Threads threads) const;
 
     WaterSettings settings_;
