@@ -232,8 +232,9 @@ typedef struct dqa_simulator_options {
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-8 */
     double water_density;        /* kg/m^3, > 0; default 1000 */
     double current[3];           /* m/s: velocity of the water; default 0 */
-    double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2); >= 0 */
-    double thrust_coefficients[4]; /* cubic Bezier ordinates of Ct over Phi/pi + 1/2; monotone */
+    double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must
+                                      be >= 0 at every angle, as rounded by angle_smoothing */
+    double thrust_coefficients[4]; /* cubic Bezier ordinates of Ct over Phi/pi + 1/2. The curve must nowhere fall */
     double speed_smoothing;      /* m/s, > 0: |v| becomes sqrt(v^2 + eps^2); default 1e-2 */
     double angle_smoothing;      /* rad, in (0, 0.5]: rounds the cone of Cd and Ct at head-on flow; default 0.02 */
     double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */

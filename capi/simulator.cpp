@@ -73,12 +73,10 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
         s.hydrodynamics.current[k] = o.current[k];
     }
     for (std::size_t k = 0; k < 4; ++k) {
-        require_range(o.drag_coefficients[k], o.drag_coefficients[k] >= 0, "drag_coefficients", "numbers >= 0");
-        require_range(o.thrust_coefficients[k], k == 0 || o.thrust_coefficients[k] >= o.thrust_coefficients[k - 1],
-                      "thrust_coefficients", "numbers that do not decrease (a monotone curve)");
         s.hydrodynamics.drag[k] = o.drag_coefficients[k];
         s.hydrodynamics.thrust[k] = o.thrust_coefficients[k];
     }
+    dqa::check_water_curves(s.hydrodynamics.drag, s.hydrodynamics.thrust, o.angle_smoothing);
     s.threads = o.threads;
     s.method = static_cast<dqa::Method>(o.method);
     s.water = o.water != DQA_WATER_NONE;

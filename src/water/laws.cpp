@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "water/laws.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "grid/error.hpp"
 
 namespace dqa {
 namespace {
@@ -17,7 +20,55 @@ void bezier_to_power(const std::array<double, 4>& b, double out[4]) {
     out[3] = b[3] - 3.0 * b[2] + 3.0 * b[1] - b[0];
 }
 
+// Least value of c0 + c1 r + c2 r^2 + c3 r^3 over [low, high]: at an end, or where the slope vanishes.
+double least_of_cubic(const double c[4], double low, double high, double* where) {
+    const auto value = [&](double r) { return c[0] + r * (c[1] + r * (c[2] + r * c[3])); };
+    double places[4] = {low, high, low, low};
+    const double discriminant = c[2] * c[2] - 3.0 * c[1] * c[3];
+    if (discriminant >= 0.0) {  // roots of c1 + 2 c2 r + 3 c3 r^2, without cancellation
+        const double q = -(c[2] + std::copysign(std::sqrt(discriminant), c[2]));
+        if (c[3] != 0.0) places[2] = q / (3.0 * c[3]);
+        if (q != 0.0) places[3] = c[1] / q;
+    }
+    *where = low;
+    for (const double r : places)
+        if (r >= low && r <= high && value(r) < value(*where)) *where = r;
+    return value(*where);
+}
+
 }  // namespace
+
+void check_water_curves(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon) {
+    constexpr double rounding = 1e-13;
+    double size = 0.0;
+    for (const double b : drag) {
+        if (!std::isfinite(b)) fail(Status::ERROR_ARGUMENT, "drag_coefficients hold %g, expected finite numbers", b);
+        size = std::max(size, std::fabs(b));
+    }
+    // With r = sqrt(t^2 + eps^2) the rounded Cd is the cubic d0 + d1 (r - eps) + (d2 + d3 r) (r^2 - eps^2).
+    double d[4];
+    bezier_to_power(drag, d);
+    const double e2 = epsilon * epsilon;
+    const double c[4] = {d[0] - d[1] * epsilon - d[2] * e2, d[1] - d[3] * e2, d[2], d[3]};
+    double r = 0.0;
+    const double least = least_of_cubic(c, epsilon, std::sqrt(1.0 + e2), &r);
+    if (least < -rounding * size)
+        fail(Status::ERROR_ARGUMENT,
+             "drag_coefficients give Cd = %.3g at an angle of %.3g rad (rounded by angle_smoothing), expected a curve "
+             "that is >= 0 from 0 to pi/2",
+             least, kHalfPi * std::sqrt(std::max(0.0, r * r - e2)));
+    // dCt/ds = 3 ((1-s)^2 a + 2 s (1-s) b + s^2 c) >= 0 on [0, 1] exactly where a, c >= 0 and b >= -sqrt(a c).
+    for (const double b : thrust)
+        if (!std::isfinite(b)) fail(Status::ERROR_ARGUMENT, "thrust_coefficients hold %g, expected finite numbers", b);
+    const double a = thrust[1] - thrust[0], b = thrust[2] - thrust[1], last = thrust[3] - thrust[2];
+    const double slack =
+        rounding * std::max({std::fabs(thrust[0]), std::fabs(thrust[1]), std::fabs(thrust[2]), std::fabs(thrust[3])});
+    if (a < -slack || last < -slack || b < -std::sqrt(std::max(0.0, a) * std::max(0.0, last)) - slack)
+        fail(Status::ERROR_ARGUMENT,
+             "thrust_coefficients are %g, %g, %g, %g: their curve Ct falls somewhere, expected one that never does "
+             "from -pi/2 to pi/2",
+             thrust[0], thrust[1], thrust[2], thrust[3]);
+}
 
 WaterLaws::WaterLaws(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon)
     : epsilon_(epsilon), kappa_(std::cos(epsilon)), scale_(0.0) {

@@ -18,6 +18,10 @@ struct LawValue {
     double derivative = 0.0;  // with respect to x
 };
 
+// Throws ERROR_ARGUMENT unless Cd, rounded as below, is >= 0 at every angle and Ct nowhere falls: on the curves
+// themselves, not on their ordinates. Both make the dissipation of a face convex. Differences of rounding size pass.
+void check_water_curves(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon);
+
 class WaterLaws {
 public:
     WaterLaws(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon);

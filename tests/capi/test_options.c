@@ -330,15 +330,21 @@ static void simulator_ranges(void** state) {
     }
     for (i = 0; i < 4; ++i) {
         ok(dqa_simulator_options_init(&options, sizeof options));
-        options.drag_coefficients[i] = -0.1;
+        options.drag_coefficients[i] = i % 3 ? -2.0 : -0.1; /* an inner ordinate must pull harder */
+        refused(create_simulator(&options), DQA_ERROR_ARGUMENT, "drag_coefficients");
+        options.drag_coefficients[i] = NAN;
         refused(create_simulator(&options), DQA_ERROR_ARGUMENT, "drag_coefficients");
         ok(dqa_simulator_options_init(&options, sizeof options));
         options.thrust_coefficients[i] = NAN;
         refused(create_simulator(&options), DQA_ERROR_ARGUMENT, "thrust_coefficients");
     }
     ok(dqa_simulator_options_init(&options, sizeof options));
-    for (i = 0; i < 4; ++i) options.thrust_coefficients[i] = i % 2; /* up, down, up */
+    for (i = 0; i < 4; ++i) options.thrust_coefficients[i] = i % 2 ? 1.0 : -i; /* up, down, up */
     refused(create_simulator(&options), DQA_ERROR_ARGUMENT, "thrust_coefficients");
+    /* An ordinate may fall, or be negative, where the curve does not. */
+    options.thrust_coefficients[2] = 0.0;
+    options.drag_coefficients[1] = -0.02;
+    ok(create_simulator(&options));
 }
 
 static void tape_ranges(void** state) {

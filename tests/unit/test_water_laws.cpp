@@ -122,12 +122,57 @@ void test_slope_is_not_negative() {
     for (const double x : kPlaces) NEAR(flat.thrust_slope(x).value, 0.0, 1e-15);
 }
 
+// The curves are judged, not their ordinates: against a fine sampling of the rounded laws.
+void test_curves_are_checked() {
+    Random random{9};
+    int refused = 0, negative_ordinate = 0;
+    for (int round = 0; round < 4000; ++round) {
+        Ordinates drag, push;
+        for (double& b : drag) b = random.between(-0.25, 1.0);
+        for (double& b : push) b = random();
+        if (round % 2) std::sort(push.begin(), push.end());
+        if (round % 4 == 1) std::swap(push[1], push[2]);  // may still rise
+        const double epsilon = round % 3 ? 0.02 : 0.3;
+        const WaterLaws laws(drag, push, epsilon);
+        double least = 1e9, fall = 0.0;
+        for (int i = 0; i <= 2000; ++i) {
+            const double angle = i * pi / 4000;
+            least = std::min(least, laws.drag(std::sin(angle)).value);
+            fall = std::min(fall, bezier(push, (i + 1) / 2001.0) - bezier(push, i / 2001.0));
+        }
+        const auto accepted = [&](const Ordinates& d, const Ordinates& t) {
+            try {
+                dqa::check_water_curves(d, t, epsilon);
+                return true;
+            } catch (const dqa::Error& e) {
+                CHECK(e.status() == dqa::Status::ERROR_ARGUMENT);
+                return false;
+            }
+        };
+        if (std::fabs(least) > 1e-5) {
+            CHECK(accepted(drag, kThrust) == (least > 0));
+            refused += least < 0;
+            negative_ordinate += least > 0 && *std::min_element(drag.begin(), drag.end()) < 0;
+        }
+        if (fall < -1e-6) CHECK(!accepted(kDrag, push));
+        if (fall == 0.0) CHECK(accepted(kDrag, push));
+    }
+    CHECK(refused > 500 && negative_ordinate > 500);
+    dqa::check_water_curves({0, 0, 0, 0}, {0.3, 0.3, 0.3, 0.3}, 0.02);
+    dqa::check_water_curves({0, 0, 0, 1}, {0.0, 1.0, 0.0, 1.0 + 1e-12}, 0.02);  // slope (1 - 2 s)^2: touches 0
+    // Ordinates >= 0, but rounding |t| takes 3 eps off a curve that ends in 0.
+    EXPECT_ERROR(ERROR_ARGUMENT, "angle_smoothing", dqa::check_water_curves({0, 1, 0, 0}, kThrust, 0.02));
+    EXPECT_ERROR(ERROR_ARGUMENT, "drag_coefficients", dqa::check_water_curves({0, 1, std::nan(""), 0}, kThrust, 0.02));
+    EXPECT_ERROR(ERROR_ARGUMENT, "thrust_coefficients", dqa::check_water_curves(kDrag, {0, 1, 2, std::nan("")}, 0.02));
+    EXPECT_ERROR(ERROR_ARGUMENT, "thrust_coefficients", dqa::check_water_curves(kDrag, {0, 1, 0, 1 - 1e-9}, 0.02));
+}
+
 }  // namespace
 
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_known_values),        TEST(test_difference_of_order_epsilon), TEST(test_derivatives),
-        TEST(test_series_of_the_slope), TEST(test_slope_is_not_negative),
+        TEST(test_series_of_the_slope), TEST(test_slope_is_not_negative),       TEST(test_curves_are_checked),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
