@@ -20,6 +20,14 @@ void bezier_to_power(const std::array<double, 4>& b, double out[4]) {
     out[3] = b[3] - 3.0 * b[2] + 3.0 * b[1] - b[0];
 }
 
+// Its transpose: adds to the cotangents of the ordinates.
+void bezier_to_power_pullback(const double bar[4], std::array<double, 4>& b_bar) {
+    b_bar[0] += bar[0] - 3.0 * bar[1] + 3.0 * bar[2] - bar[3];
+    b_bar[1] += 3.0 * bar[1] - 6.0 * bar[2] + 3.0 * bar[3];
+    b_bar[2] += 3.0 * bar[2] - 3.0 * bar[3];
+    b_bar[3] += bar[3];
+}
+
 // Least value of c0 + c1 r + c2 r^2 + c3 r^3 over [low, high]: at an end, or where the slope vanishes.
 double least_of_cubic(const double c[4], double low, double high, double* where) {
     const auto value = [&](double r) { return c[0] + r * (c[1] + r * (c[2] + r * c[3])); };
@@ -114,6 +122,29 @@ LawValue WaterLaws::thrust_slope(double x) const {
     const double poly = thrust_[1] + phi.value * (thrust_[2] + phi.value * thrust_[3]);
     const double dpoly = (thrust_[2] + 2.0 * phi.value * thrust_[3]) * phi.derivative;
     return {poly * g.value, dpoly * g.value + poly * g.derivative};
+}
+
+void WaterLaws::pullback(double x, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const {
+    const double phi = angle(x).value, g = angle_slope(x).value, t = phi / kHalfPi;
+    const double root = std::sqrt(t * t + epsilon_ * epsilon_);
+    bar.drag[0] += drag_bar;
+    bar.drag[1] += drag_bar * (root - epsilon_);
+    bar.drag[2] += drag_bar * t * t;
+    bar.drag[3] += drag_bar * t * t * root;
+    bar.thrust[0] += rest_bar;
+    bar.thrust[1] += slope_bar * g;
+    bar.thrust[2] += slope_bar * g * phi;
+    bar.thrust[3] += slope_bar * g * phi * phi;
+}
+
+void WaterLaws::ordinates_pullback(const LawsBar& bar, std::array<double, 4>& drag_bar,
+                                   std::array<double, 4>& thrust_bar) {
+    bezier_to_power_pullback(bar.drag.data(), drag_bar);
+    // Of the re-expansion about Phi = 0.
+    const double b0 = bar.thrust[0], b1 = bar.thrust[1] / kPi, b2 = bar.thrust[2] / (kPi * kPi),
+                 b3 = bar.thrust[3] / (kPi * kPi * kPi);
+    const double power[4] = {b0, 0.5 * b0 + b1, 0.25 * b0 + b1 + b2, 0.125 * b0 + 0.75 * b1 + 1.5 * b2 + b3};
+    bezier_to_power_pullback(power, thrust_bar);
 }
 
 }  // namespace dqa

@@ -18,6 +18,11 @@ struct LawValue {
     double derivative = 0.0;  // with respect to x
 };
 
+// Cotangents of the laws' coefficients; the laws are linear in them.
+struct LawsBar {
+    std::array<double, 4> drag{}, thrust{};  // of the power series
+};
+
 // Throws ERROR_ARGUMENT unless Cd, rounded as below, is >= 0 at every angle and Ct nowhere falls: on the curves
 // themselves, not on their ordinates. Both make the dissipation of a face convex. Differences of rounding size pass.
 void check_water_curves(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon);
@@ -29,6 +34,12 @@ public:
     LawValue drag(double x) const;                     // Cd(|Phi|)
     LawValue thrust_slope(double x) const;             // (Ct(Phi) - Ct(0)) / x, >= 0 for a monotone Ct; finite at x = 0
     double thrust_rest() const { return thrust_[0]; }  // Ct(0)
+
+    // Cotangents of the three at x, to the coefficients of the curves' power series: added to `bar`.
+    void pullback(double x, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const;
+    // From there to the ordinates of the Bezier curves: added to drag_bar and thrust_bar.
+    static void ordinates_pullback(const LawsBar& bar, std::array<double, 4>& drag_bar,
+                                   std::array<double, 4>& thrust_bar);
 
 private:
     LawValue angle(double x) const;        // Phi

@@ -122,6 +122,36 @@ void test_slope_is_not_negative() {
     for (const double x : kPlaces) NEAR(flat.thrust_slope(x).value, 0.0, 1e-15);
 }
 
+// Linear in the ordinates: the pullback gives each law back exactly, and its directional derivatives.
+void test_ordinates_pullback() {
+    Random random{10};
+    for (int round = 0; round < 60; ++round) {
+        Ordinates drag, push, ddrag, dpush;
+        for (std::size_t k = 0; k < 4; ++k)
+            drag[k] = random(), push[k] = random(), ddrag[k] = random(), dpush[k] = random();
+        const double x = round < 14 ? kPlaces[round] : random(), epsilon = round % 2 ? 0.02 : 0.2;
+        const double bars[3] = {random(), random(), random()};
+        dqa::LawsBar bar;
+        WaterLaws(drag, push, epsilon).pullback(x, bars[0], bars[1], bars[2], bar);
+        Ordinates drag_bar{}, push_bar{};
+        WaterLaws::ordinates_pullback(bar, drag_bar, push_bar);
+        const auto value = [&](double e) {
+            Ordinates d = drag, p = push;
+            for (std::size_t k = 0; k < 4; ++k) d[k] += e * ddrag[k], p[k] += e * dpush[k];
+            const WaterLaws laws(d, p, epsilon);
+            return bars[0] * laws.drag(x).value + bars[1] * laws.thrust_slope(x).value + bars[2] * laws.thrust_rest();
+        };
+        double slope = 0.0, here = 0.0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            slope += drag_bar[k] * ddrag[k] + push_bar[k] * dpush[k];
+            here += drag_bar[k] * drag[k] + push_bar[k] * push[k];
+        }
+        NEAR(here, value(0.0), 1e-13);
+        CHECK_LINEAR_DERIVATIVE(value, slope, 1.0);
+    }
+    report_worst("ordinates");
+}
+
 // The curves are judged, not their ordinates: against a fine sampling of the rounded laws.
 void test_curves_are_checked() {
     Random random{9};
@@ -172,7 +202,8 @@ void test_curves_are_checked() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_known_values),        TEST(test_difference_of_order_epsilon), TEST(test_derivatives),
-        TEST(test_series_of_the_slope), TEST(test_slope_is_not_negative),       TEST(test_curves_are_checked),
+        TEST(test_series_of_the_slope), TEST(test_slope_is_not_negative),       TEST(test_ordinates_pullback),
+        TEST(test_curves_are_checked),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
