@@ -71,7 +71,11 @@ DQA_API const char *dqa_last_error(void);
 #define DQA_LOG_DEBUG 4
 /* Receives messages of level <= the level given to dqa_set_log_handler; may be called from any thread. */
 typedef void (*dqa_log_handler)(int32_t level, const char *message, void *user_data);
-/* Process-wide; NULL handler silences the library, which is the default. Safe from any thread. */
+/* Process-wide; NULL handler silences the library, which is the default. Safe from any thread; a message under way in
+ * another thread may still reach the handler that is replaced, so keep its user_data for as long as such calls run.
+ * The handler may call the library. Texts are for people and may change. Messages: WARNING for input or a way of solving
+ * that one would not expect (mended meshes, an adjoint that fell back on a factorisation); INFO for each design; DEBUG
+ * for each barycentre and step. */
 DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void *user_data);
 
 /* Progress of a long call: `done` of `total` units; called on the calling thread; non-zero cancels (DQA_CANCELLED). */

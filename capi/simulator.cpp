@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cinttypes>
 
+#include "grid/log.hpp"
 #include "internal.hpp"
 #include "motion/observation.hpp"
 
@@ -113,6 +114,10 @@ void count(dqa_simulator* simulator, const dqa::StepReport& report) {
     simulator->newton_iterations += report.newton_iterations;
     simulator->linear_iterations += report.linear_iterations;
     simulator->last_residual = report.residual;
+    dqa::log_message(dqa::LogLevel::debug,
+                     "step %ld: %d Newton and %d linear iterations, relative residual %.2g, %d filtered, %d inverted",
+                     simulator->simulation->steps(), report.newton_iterations, report.linear_iterations,
+                     report.residual, report.filtered, report.inverted);
 }
 
 }  // namespace
@@ -173,6 +178,12 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
         simulator->adjoint_iterations->store(0);
         simulator->last_residual = 0.0;
         simulator->setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        dqa::log_message(dqa::LogLevel::info,
+                         "design set: %d cells, %d nodes, %d faces, %lld factor entries; %.3g s, of which %.3g s for "
+                         "the barycentre (%d iterations)",
+                         design->set().n_cells(), design->n_nodes(), design->water() ? design->water()->n_faces() : 0,
+                         static_cast<long long>(design->factor().entries()), simulator->setup_seconds,
+                         design->barycenter_seconds(), design->point().barycenter.iterations);
     });
 }
 

@@ -3,6 +3,7 @@
 #include <cinttypes>
 #include <new>
 
+#include "grid/log.hpp"
 #include "internal.hpp"
 #include "linalg/sparse.hpp"
 

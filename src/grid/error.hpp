@@ -2,6 +2,7 @@
 // Errors of every room: one list of codes with name and text (capi/ freezes their numbers), and one exception type.
 #pragma once
 
+#include <cstdarg>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -40,12 +41,8 @@ private:
 
 // printf-style formatting, so that messages read in one piece at the place where they are thrown.
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string vformat(const char* pattern, va_list args);
 
 [[noreturn]] void fail(Status status, const char* pattern, ...) __attribute__((format(printf, 2, 3)));
-
-// Log sink of the process; silent until capi/ installs a handler. Levels: 1 error, 2 warning, 3 info, 4 debug.
-using LogHandler = void (*)(std::int32_t level, const char* message, void* user_data);
-void set_log_handler(LogHandler handler, std::int32_t level, void* user_data);
-void log_message(std::int32_t level, const char* pattern, ...) __attribute__((format(printf, 2, 3)));
 
 }  // namespace dqa

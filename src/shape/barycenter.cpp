@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "grid/error.hpp"
+#include "grid/log.hpp"
 #include "grid/parallel.hpp"
 
 namespace dqa {
@@ -175,6 +176,8 @@ bool solve_with(const GaussianKernel& kernel, const std::vector<std::vector<doub
         out.marginal_error = error;
         if (error <= settings.tolerance) {
             out.log_v = x;
+            log_message(LogLevel::debug, "barycentre: %d iterations to a marginal error of %.2g%s", iteration, error,
+                        logarithmic ? " (logarithmic kernel)" : "");
             return true;
         }
         if (error < best_error) best_error = error, best_x = x;
@@ -251,7 +254,8 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
         BarycenterSettings s(settings);
         s.threads = threads;
         if (!s.force_log && solve_with(kernel, bases, weights, s, false, solution)) return;
-        if (!s.force_log) log_message(3, "barycentre: the linear kernel underflows here; logarithmic kernel used");
+        if (!s.force_log)
+            log_message(LogLevel::info, "barycentre: the linear kernel underflows here; logarithmic kernel used");
         solve_with(kernel, bases, weights, s, true, solution);
     });
     return solution;

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "grid/error.hpp"
+#include "grid/log.hpp"
 
 namespace dqa {
 namespace {
@@ -275,12 +276,12 @@ TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, Me
              name.c_str(), r.volume, r.length_x, r.length_y, r.length_z);
     if (r.volume < 0.0) {
         for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-        log_message(3, "mesh '%s': all triangles were clockwise seen from outside; they have been flipped",
+        log_message(LogLevel::info, "mesh '%s': all triangles were clockwise seen from outside; they have been flipped",
                     name.c_str());
     }
     if (r.non_manifold_edges > 0)
-        log_message(2, "mesh '%s': %d edges are shared by more than two triangles; parts touch there", name.c_str(),
-                    r.non_manifold_edges);
+        log_message(LogLevel::warning, "mesh '%s': %d edges are shared by more than two triangles; parts touch there",
+                    name.c_str(), r.non_manifold_edges);
     std::vector<double> volumes(component.size(), 0.0);
     for (std::size_t t = 0; t < component.size(); ++t) {
         const auto c = corners(mesh, mesh.triangles[t], b.middle(), unit);
@@ -288,8 +289,8 @@ TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, Me
     }
     const auto hollow = std::count_if(volumes.begin(), volumes.end(), [](double v) { return v < -1e-12; });
     if (hollow > 0)
-        log_message(2, "mesh '%s': %d of %d components are inside out; they count as cavities", name.c_str(),
-                    static_cast<int>(hollow), r.components);
+        log_message(LogLevel::warning, "mesh '%s': %d of %d components are inside out; they count as cavities",
+                    name.c_str(), static_cast<int>(hollow), r.components);
     return mesh;
 }
 
@@ -323,7 +324,7 @@ void orient_up(TriangleMesh& mesh, int up) {
         // that mirror both ways have two small numbers and stay; so does a shape with no clear answer.
         const double y = mirror_asymmetry(mesh, 1), z = mirror_asymmetry(mesh, 2);
         turn = y > 2e-3 && z < 0.5 * y;
-        log_message(4, "automatic up: asymmetry %.3g across y, %.3g across z: %s", y, z,
+        log_message(LogLevel::debug, "automatic up: asymmetry %.3g across y, %.3g across z: %s", y, z,
                     turn ? "turned, y was up" : "kept");
     }
     if (!turn) return;

@@ -86,24 +86,50 @@ static void success_keeps_the_message(void** state) {
     assert_string_equal(dqa_last_error(), before);
 }
 
-static void remember_level(int32_t level, const char* message, void* user_data) {
+/* Numbers of messages by level, and whether one of them held the text that is looked for. */
+typedef struct journal {
+    const char* text;
+    int seen;
+    int count[DQA_LOG_DEBUG + 1];
+} journal;
+
+static void take_down(int32_t level, const char* message, void* user_data) {
+    journal* j = user_data;
     assert_non_null(message);
-    assert_true(level >= DQA_LOG_ERROR && level <= DQA_LOG_INFO);
-    *(int*)user_data = 1;
+    assert_true(level >= DQA_LOG_ERROR && level <= DQA_LOG_DEBUG);
+    ++j->count[level];
+    if (j->text && strstr(message, j->text)) j->seen = 1;
 }
 
-static void log_handler_can_be_set_and_removed(void** state) {
-    int called = 0;
-    dqa_shape_space* space;
+static void swim(int64_t steps) {
+    dqa_shape_space* space = tiny_space();
+    dqa_simulator* simulator = tiny_simulator(space);
+    dqa_controller* controller = tiny_controller(simulator);
+    ok(dqa_simulator_rollout(simulator, controller, steps, NULL, NULL, NULL));
+    dqa_controller_free(controller);
+    dqa_simulator_free(simulator);
+    dqa_shape_space_free(space);
+}
+
+static void log_levels(void** state) {
+    journal j = {"design set: ", 0, {0}}, steps = {"step 3: ", 0, {0}}, after = {NULL, 0, {0}};
     (void)state;
-    ok(dqa_set_log_handler(remember_level, DQA_LOG_INFO, &called));
-    space = tiny_space();
-    dqa_shape_space_free(space);
-    ok(dqa_set_log_handler(NULL, 0, NULL));
-    called = 0;
-    space = tiny_space();
-    dqa_shape_space_free(space);
-    assert_int_equal(called, 0);
+    ok(dqa_set_log_handler(take_down, DQA_LOG_INFO, &j));
+    swim(3);
+    assert_true(j.seen);
+    assert_int_equal(j.count[DQA_LOG_INFO], 1);
+    assert_int_equal(j.count[DQA_LOG_DEBUG], 0);
+    ok(dqa_set_log_handler(take_down, DQA_LOG_DEBUG, &steps));
+    swim(3);
+    assert_true(steps.seen);
+    assert_true(steps.count[DQA_LOG_DEBUG] >= 4); /* three steps and a barycentre */
+    ok(dqa_set_log_handler(NULL, 0, &after));
+    swim(1);
+    assert_int_equal(j.count[DQA_LOG_INFO], 1);
+    refused(dqa_set_log_handler(take_down, 0, &after), DQA_ERROR_ARGUMENT, "level");
+    refused(dqa_set_log_handler(take_down, 5, &after), DQA_ERROR_ARGUMENT, "level");
+    swim(1);
+    assert_int_equal(after.count[DQA_LOG_INFO] + after.count[DQA_LOG_DEBUG], 0);
 }
 
 static void cancel_token_null(void** state) {
@@ -151,7 +177,7 @@ int main(void) {
         cmocka_unit_test(every_status_has_name_and_text),
         cmocka_unit_test(last_error_belongs_to_its_thread),
         cmocka_unit_test(success_keeps_the_message),
-        cmocka_unit_test(log_handler_can_be_set_and_removed),
+        cmocka_unit_test(log_levels),
         cmocka_unit_test(cancel_token_null),
         cmocka_unit_test(cancel_token_stops_and_lets_go),
     };
