@@ -26,6 +26,7 @@ struct DesignBar {
     std::vector<double> occupancy;      // [n_cells] through the water's faces
     std::vector<double> spine;          // [n_nodes]
     double head_x = 0.0, tail_x = 0.0;  // sensors
+    WaterParameterBar water;
 };
 
 class Design {

@@ -7,6 +7,7 @@
 
 #include "grid/error.hpp"
 #include "linalg/lbfgs.hpp"
+#include "grid/log.hpp"
 
 namespace dqa {
 namespace {
@@ -363,6 +364,11 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         solved = r.converged;
     }
     if (!solved) {
+        if (scene_.method != Method::newton_direct)
+            log_message(LogLevel::warning,
+                        "adjoint of step %ld: conjugate gradients stopped at a relative residual of %.2g after %d "
+                        "iterations; a factorisation takes over",
+                        step, report.residual, report.linear_iterations);
         // The direct solve serves `newton_direct`, and Hessians on which conjugate gradients fail: at a state where the
         // exact Hessian is indefinite the step's derivative still exists.
         const SymmetricMatrix h = assemble();
@@ -403,7 +409,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
         water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, base_bar.data(),
-                        lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.occupancy.data());
+                        lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.water, bar.occupancy.data());
         design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
     }
     if (two_step_) {

@@ -187,7 +187,7 @@ void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threa
 
 void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
                      const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
-                     Vec3& current_bar, double* occupancy_bar) const {
+                     Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const {
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];
@@ -211,6 +211,8 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
         const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
         const double speed_bar =
             w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
+        laws_.pullback(x, w * cd_bar * speed, w * ct_bar * lateral2 / speed, w * k_bar * lateral2, parameter_bar.laws);
+        parameter_bar.density += w_bar * 0.5 * std::fabs(f.weight) * area * factor;
         const double area_bar = w_bar * half_rho * std::fabs(f.weight) * factor;
         const double weight_bar = w_bar * half_rho * area * factor;
         Vec3 u_bar{};

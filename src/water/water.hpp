@@ -45,6 +45,12 @@ struct WaterWorkspace {
     Vec3 spine{}, current{};
 };
 
+// Cotangents of the water's parameters.
+struct WaterParameterBar {
+    double density = 0.0;
+    LawsBar laws;  // WaterLaws::ordinates_pullback takes them to the settings' drag and thrust
+};
+
 struct WaterTotals {
     Vec3 drag{}, thrust{};            // N, on the swimmer
     Vec3 mean_drag{}, mean_thrust{};  // divided by the wet area (N/m^2)
@@ -69,10 +75,10 @@ public:
     // out += H p.
     void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
-    // positions) q_bar, v_bar and spine_bar, current_bar, and occupancy_bar [n_active_cells].
+    // positions) q_bar, v_bar and spine_bar, current_bar, parameter_bar, and occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
                   const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
-                  Vec3& current_bar, double* occupancy_bar) const;
+                  Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
     WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
 
 private:

@@ -61,9 +61,10 @@ void test_head_on_flow_is_finite() {
         const Vector q_new = plus(s.q, kStep, v), lambda = random_vector(s.q.size(), random);
         Vector out(s.q.size(), 0.0), q_bar(out), v_bar(out), g_bar(30, 0.0);
         Vec3 spine_bar{}, current_bar{};
+        WaterParameterBar parameter_bar;
         CHECK(std::isfinite(w.gradient(ws, q_new.data(), s.q.data(), kStep, 1, out.data())));
         w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(),
-                   v_bar.data(), spine_bar, current_bar, g_bar.data());
+                   v_bar.data(), spine_bar, current_bar, parameter_bar, g_bar.data());
         CHECK(all_finite(out) && all_finite(q_bar) && all_finite(v_bar) && all_finite(g_bar));
         CHECK(std::isfinite(dot3(spine_bar, {1, 1, 1})));
         if (speed > 0.1 && axis == 1) {  // drag of a plate: both sides, Cd about 2, and little at the rim

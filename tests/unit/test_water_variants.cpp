@@ -93,8 +93,9 @@ void check_variant(bool explicit_forces, bool windward, std::uint64_t seed) {
     w.lag(ws, s.q.data(), s.v.data(), s.spine, s.settings.current, 1);
     Vector q_bar(s.q.size(), 0.0), v_bar(q_bar), g_bar(s.occupancy.size(), 0.0);
     Vec3 spine_bar{}, current_bar{};
+    WaterParameterBar parameter_bar;
     w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(), v_bar.data(),
-               spine_bar, current_bar, g_bar.data());
+               spine_bar, current_bar, parameter_bar, g_bar.data());
     const auto value = [&](const Vector& q_old, const Vector& vel, const Vec3& spine, const Vector& g) {
         return dot_of(lambda, s.gradient(q_new, q_old, vel, spine, g));
     };
@@ -122,6 +123,14 @@ void check_variant(bool explicit_forces, bool windward, std::uint64_t seed) {
             return dot_of(lambda, moved.gradient(q_new, s.q, s.v, s.spine, s.occupancy));
         },
         dot3(current_bar, dc), 1e-2);
+    const ParameterDirection dp;
+    CHECK_DERIVATIVE(
+        [&](double e) {
+            Sample moved = s;
+            moved.settings = dp.moved(s.settings, e);
+            return dot_of(lambda, moved.gradient(q_new, s.q, s.v, s.spine, s.occupancy));
+        },
+        dp.slope(parameter_bar), 0.1);
 }
 
 void test_pullbacks() {

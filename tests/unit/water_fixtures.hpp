@@ -39,6 +39,27 @@ struct Sample {
     }
 };
 
+// The force is linear in density and ordinates: a direction in them, the settings moved along it, and the derivative
+// that a pullback gives for it.
+struct ParameterDirection {
+    double density = 300.0;
+    std::array<double, 4> drag{0.1, -0.3, 0.7, 0.4}, thrust{-0.5, 0.2, 0.6, -0.8};
+
+    WaterSettings moved(const WaterSettings& from, double e) const {
+        WaterSettings s = from;
+        s.density += e * density;
+        for (std::size_t k = 0; k < 4; ++k) s.drag[k] += e * drag[k], s.thrust[k] += e * thrust[k];
+        return s;
+    }
+    double slope(const WaterParameterBar& bar) const {
+        std::array<double, 4> drag_bar{}, thrust_bar{};
+        WaterLaws::ordinates_pullback(bar.laws, drag_bar, thrust_bar);
+        double sum = bar.density * density;
+        for (std::size_t k = 0; k < 4; ++k) sum += drag_bar[k] * drag[k] + thrust_bar[k] * thrust[k];
+        return sum;
+    }
+};
+
 inline Vec3 cross_of(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
