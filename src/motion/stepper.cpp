@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "grid/error.hpp"
-#include "linalg/lbfgs.hpp"
 #include "grid/log.hpp"
+#include "linalg/lbfgs.hpp"
 
 namespace dqa {
 namespace {
