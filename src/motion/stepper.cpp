@@ -153,10 +153,21 @@ bool Stepper::newton_direction(double forcing, StepReport& report) {
     std::vector<double> b(size_);
     for (std::size_t i = 0; i < size_; ++i) b[i] = -gradient_[i];
     if (scene_.method == Method::newton_direct) {
-        if (!solve_positive(assemble(), b)) return false;
-        direction_ = b;
-        ++report.linear_iterations;
-        return true;
+        // An indefinite Hessian is shifted, as little as will do: filtering all cells would cost Newton's convergence.
+        SymmetricMatrix h = assemble();
+        double shifted = 0.0;
+        for (const double shift : {0.0, 1e-6, 1e-4, 1e-2}) {
+            for (std::size_t j = 0; j < size_; ++j)
+                h.value[static_cast<std::size_t>(h.start[j])] +=
+                    (shift - shifted) * design_->stiffness_diagonal()[j / 3];
+            shifted = shift;
+            std::vector<double> x(b);
+            if (!solve_positive(h, x)) continue;
+            direction_ = x;
+            ++report.linear_iterations;
+            return true;
+        }
+        return false;
     }
     const PcgResult r = pcg(
         size_, b.data(), direction_.data(), forcing, scene_.max_linear,
