@@ -235,7 +235,7 @@ typedef struct dqa_simulator_options {
                                     vanish) at which a step stops; default 1e-6 */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-8 */
     double water_density;        /* kg/m^3, > 0; default 1000 */
-    double current[3];           /* m/s: velocity of the water; default 0 */
+    double current[3];           /* m/s: velocity of the water; in two dimensions [2] must be 0; default 0 */
     double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must
                                       be >= 0 at every angle, as rounded by angle_smoothing */
     double thrust_coefficients[4]; /* cubic Bezier ordinates of Ct over Phi/pi + 1/2. The curve must nowhere fall */
@@ -256,6 +256,24 @@ DQA_API void dqa_simulator_free(dqa_simulator *simulator);
  * weights [n_bases] on the simplex (>= 0, sum 1 within 1e-9). On failure the old design stays. */
 DQA_API dqa_status dqa_simulator_set_weights(dqa_simulator *simulator, const double *weights, int64_t m,
                                              dqa_progress progress, void *user_data);
+
+/* Velocity of the water (m/s) from a table instead of options.current, for the steps from here on: linear in time
+ * between velocities [n_times][dims] at times [n_times] (s, strictly increasing), constant before and after; n =
+ * n_times * dims. Time is that of dqa_simulator_info. Each step takes the value at its start. n_times == 0 goes back to
+ * options.current. The arrays are copied; a new design keeps the table. */
+DQA_API dqa_status dqa_simulator_set_current_table(dqa_simulator *simulator, const double *times, int64_t n_times,
+                                                   const double *velocities, int64_t n);
+/* Velocity of the water at `time` (s): writes current [dims] (m/s), zero on entry. Non-zero cancels the step. */
+typedef int32_t (*dqa_current)(double time, double *current, void *user_data);
+/* Receives current_bar [dims] = dL/d(current) of the step that began at `time`, for parameters of the caller's own.
+ * Non-zero cancels the sweep after that step. */
+typedef int32_t (*dqa_current_pullback)(double time, const double *current_bar, void *user_data);
+/* The same from a function of the caller's, called once a step on the calling thread. The tape records its values: a
+ * step that is recomputed does not ask again. During dqa_adjoint_backward `pullback` (NULL: not wanted) is called once
+ * for every step, last step first. Both must stay callable, and user_data valid, while the simulator or a tape with such
+ * steps is used. NULL current goes back to options.current. */
+DQA_API dqa_status dqa_simulator_set_current_callback(dqa_simulator *simulator, dqa_current current,
+                                                      dqa_current_pullback pullback, void *user_data);
 
 typedef struct dqa_simulator_info {
     uint32_t struct_size;
@@ -430,6 +448,8 @@ DQA_API dqa_status dqa_tape_n_steps(const dqa_tape *tape, int64_t *n_steps);
 DQA_API dqa_status dqa_tape_get_state(dqa_tape *tape, int64_t step, double *q, int64_t nq, double *v, int64_t nv);
 /* Actuation [n_signals] used in step `step`, in [0, n_steps). */
 DQA_API dqa_status dqa_tape_get_actuation(dqa_tape *tape, int64_t step, double *actuation, int64_t n);
+/* Velocity of the water [dims] during step `step`, in [0, n_steps). */
+DQA_API dqa_status dqa_tape_get_current(dqa_tape *tape, int64_t step, double *current, int64_t n);
 /* Vertices of the isosurface [n_vertices][dims] carried by the state after `step` steps; triangles as in
  * dqa_simulator_surface for the same design. */
 DQA_API dqa_status dqa_tape_get_surface(dqa_tape *tape, int64_t step, double *vertices, int64_t nv);
@@ -470,6 +490,11 @@ DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *
 #define DQA_WRT_ACTUATION 2        /* [n_steps][n_signals], of numbers added to each actuation: a closed loop reacts */
 #define DQA_WRT_INITIAL_POSITION 3 /* [n_nodes][dims] */
 #define DQA_WRT_INITIAL_VELOCITY 4 /* [n_nodes][dims] */
+#define DQA_WRT_WATER 5            /* [dims + 9]: a uniform velocity added to the current of every step [dims], the water's
+                                      density, drag_coefficients [4], thrust_coefficients [4]; zero without water */
+#define DQA_WRT_CURRENT 6          /* [n_steps][dims]: the current of each step */
+#define DQA_WRT_CURRENT_TABLE 7    /* [n_times][dims]: velocities of dqa_simulator_set_current_table (of options.current:
+                                      one row). DQA_ERROR_STATE unless all steps were taken with that one table */
 
 /* A cursor over a finished tape, standing after its last step. DQA_ERROR_STATE if a controller without pullback closed a
  * loop through the sensors. */
@@ -482,7 +507,7 @@ DQA_API dqa_status dqa_adjoint_seed(dqa_adjoint *adjoint, int64_t step, int32_t 
 DQA_API dqa_status dqa_adjoint_seed_objective(dqa_adjoint *adjoint, const dqa_objective_term *terms, int64_t n_terms);
 /* Runs the sweep back to the state after `to_step` steps (0: all the way); resumable after cancellation. */
 DQA_API dqa_status dqa_adjoint_backward(dqa_adjoint *adjoint, int64_t to_step, dqa_progress progress, void *user_data);
-/* Reads a gradient. WEIGHTS, CONTROL, INITIAL_* need the sweep to have reached step 0. */
+/* Reads a gradient. All but ACTUATION and CURRENT need the sweep to have reached step 0. */
 DQA_API dqa_status dqa_adjoint_get(dqa_adjoint *adjoint, int32_t with_respect_to, double *out, int64_t n);
 
 /* ------------------------------------------------------------------ proof of the gradient */

@@ -27,6 +27,7 @@ struct dqa_simulator {
     std::shared_ptr<const dqa::ShapeSpace> space;
     dqa::SceneSettings scene;
     std::unique_ptr<dqa::Simulation> simulation;               // null before the first design
+    std::shared_ptr<const dqa::WaterCurrent> current;          // null: uniform, as the scene says
     std::shared_ptr<int> identity = std::make_shared<int>(0);  // tapes know their simulator by it
     std::int64_t newton_iterations = 0, linear_iterations = 0;
     std::shared_ptr<std::atomic<std::int64_t>> adjoint_iterations = std::make_shared<std::atomic<std::int64_t>>(0);

@@ -120,6 +120,13 @@ void count(dqa_simulator* simulator, const dqa::StepReport& report) {
                      report.residual, report.filtered, report.inverted);
 }
 
+// For the steps from here on; null: uniform, as the options say.
+void use_current(dqa_simulator* simulator, std::shared_ptr<const dqa::WaterCurrent> current) {
+    if (!current) current = std::make_shared<dqa::WaterCurrent>(simulator->scene.hydrodynamics.current);
+    simulator->current = current;
+    if (simulator->simulation) simulator->simulation->set_current(current);
+}
+
 }  // namespace
 
 namespace dqa::capi {
@@ -154,6 +161,8 @@ dqa_status dqa_simulator_create(dqa_shape_space* space, const dqa_simulator_opti
         auto made = std::make_unique<dqa_simulator>();
         made->scene = settings_from(read_options(options, default_options(), "options"));
         made->space = space->core;
+        const double up = made->scene.hydrodynamics.current[2];
+        require_range(up, made->space->box().dims == 3 || up == 0.0, "current[2]", "0 in two dimensions");
         *simulator = made.release();
     });
 }
@@ -173,6 +182,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
             shape_monitor(progress, user_data, simulator->space->settings().tolerance, simulator->scene.cancel));
         auto simulation = std::make_unique<dqa::Simulation>(design);
         if (progress && progress(100, 100, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
+        if (simulator->current) simulation->set_current(simulator->current);
         simulator->simulation = std::move(simulation);
         simulator->newton_iterations = simulator->linear_iterations = 0;
         simulator->adjoint_iterations->store(0);
@@ -184,6 +194,46 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
                          design->set().n_cells(), design->n_nodes(), design->water() ? design->water()->n_faces() : 0,
                          static_cast<long long>(design->factor().entries()), simulator->setup_seconds,
                          design->barycenter_seconds(), design->point().barycenter.iterations);
+    });
+}
+
+dqa_status dqa_simulator_set_current_table(dqa_simulator* simulator, const double* times, int64_t n_times,
+                                           const double* velocities, int64_t n) {
+    return guard([&] {
+        require(simulator, "simulator");
+        if (n_times == 0) return use_current(simulator, nullptr);
+        if (n_times < 0 || n_times > INT32_MAX)
+            fail(Status::ERROR_ARGUMENT, "n_times is %" PRId64 ", expected a number in [0, 2^31)", n_times);
+        require(times, "times"), require(velocities, "velocities");
+        const int dims = simulator->space->box().dims;
+        require_count(n, dims * n_times, "n", "velocities [n_times][dims]");
+        const std::vector<double> values = points_in(velocities, n, dims);
+        std::vector<dqa::Vec3> rows(static_cast<std::size_t>(n_times));
+        for (std::size_t k = 0; k < values.size(); ++k) rows[k / 3][k % 3] = values[k];
+        use_current(simulator, std::make_shared<dqa::WaterCurrent>(std::vector<double>(times, times + n_times), rows));
+    });
+}
+
+dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_current current,
+                                              dqa_current_pullback pullback, void* user_data) {
+    return guard([&] {
+        require(simulator, "simulator");
+        if (!current) return use_current(simulator, nullptr);
+        const int dims = simulator->space->box().dims;
+        const auto value = [current, user_data, dims](double time) {
+            dqa::Vec3 v{};
+            if (current(time, v.data(), user_data))
+                fail(Status::CANCELLED, "cancelled by the callback of the current at time %g s", time);
+            if (dims == 2) v[2] = 0.0;  // whatever was written there
+            return v;
+        };
+        dqa::WaterCurrent::Pullback back;
+        if (pullback)
+            back = [pullback, user_data](double time, const dqa::Vec3& bar) {
+                if (pullback(time, bar.data(), user_data))
+                    fail(Status::CANCELLED, "cancelled by the pullback of the current at time %g s", time);
+            };
+        use_current(simulator, std::make_shared<dqa::WaterCurrent>(value, back));
     });
 }
 

@@ -140,6 +140,17 @@ dqa_status dqa_tape_get_actuation(dqa_tape* tape, int64_t step, double* actuatio
     });
 }
 
+dqa_status dqa_tape_get_current(dqa_tape* tape, int64_t step, double* current, int64_t n) {
+    return guard([&] {
+        const dqa::Tape& t = recorded(tape);
+        require(current, "current");
+        require_step(step, t.n_steps() - 1, "step");
+        const int dims = t.design().set().box.dims;
+        require_count(n, dims, "n", "current [dims]");
+        points_out(t.current(step).data(), 1, dims, current);
+    });
+}
+
 dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, int64_t nv) {
     return guard([&] {
         const dqa::Tape& t = recorded(tape);
@@ -268,22 +279,39 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
     return guard([&] {
         require(adjoint, "adjoint"), require(out, "out");
         dqa::Adjoint& a = *adjoint->core;
-        require_range(with_respect_to,
-                      with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+        require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_CURRENT_TABLE,
                       "with_respect_to", "one of DQA_WRT_*");
-        if (with_respect_to != DQA_WRT_ACTUATION && (!a.begun() || a.position() > 0))
+        if (with_respect_to != DQA_WRT_ACTUATION && with_respect_to != DQA_WRT_CURRENT &&
+            (!a.begun() || a.position() > 0))
             fail(Status::ERROR_STATE,
                  "the sweep stands at step %ld, expected 0: call dqa_adjoint_backward(adjoint, 0, ...) first",
                  a.position());
         const auto give = [&](const std::vector<double>& values, const char* shape) {
             copy_out(values.data(), values.size(), out, n, "n", shape);
         };
+        const int dims = a.tape().design().set().box.dims;
         const auto give_nodes = [&](const std::vector<double>& values) {
-            const int dims = a.tape().design().set().box.dims;
             require_count(n, static_cast<int64_t>(values.size() / 3) * dims, "n", "[n_nodes][dims]");
             points_out(values.data(), values.size() / 3, dims, out);
         };
+        const auto give_rows = [&](const std::vector<dqa::Vec3>& rows, const char* shape) {
+            require_count(n, static_cast<int64_t>(rows.size()) * dims, "n", shape);
+            for (std::size_t k = 0; k < rows.size(); ++k)
+                points_out(rows[k].data(), 1, dims, out + dims * static_cast<int64_t>(k));
+        };
         switch (with_respect_to) {
+            case DQA_WRT_WATER: {
+                std::vector<double> values = a.water_bar();
+                if (dims == 2) values.erase(values.begin() + 2);
+                give(values, "[dims + 9]");
+                break;
+            }
+            case DQA_WRT_CURRENT:
+                give_rows(a.current_bar(), "[n_steps][dims]");
+                break;
+            case DQA_WRT_CURRENT_TABLE:
+                give_rows(a.current_table_bar(), "[n_times][dims]");
+                break;
             case DQA_WRT_WEIGHTS:
                 require_count(n, static_cast<int64_t>(a.tape().design().space().bases().size()), "n", "[n_bases]");
                 give(a.weights_bar(), "[n_bases]");
@@ -321,7 +349,7 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
             fail(Status::ERROR_ARGUMENT, "report_size is %" PRIu64 ", expected sizeof of the struct", report_size);
         require_range(o.flags, o.flags == 0, "flags", "0");
         require_range(o.with_respect_to,
-                      o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_INITIAL_VELOCITY,
+                      o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_CURRENT_TABLE,
                       "with_respect_to", "one of DQA_WRT_*");
         require_range(o.n_steps, o.n_steps >= 1 && o.n_steps <= 10000, "n_steps", "a number in [1, 10000]");
         require_range(o.step, o.step >= 0, "step", "a number >= 0");

@@ -3,7 +3,10 @@
 
 namespace dqa {
 
-Simulation::Simulation(std::shared_ptr<const Design> design) : design_(std::move(design)), stepper_(design_) {
+Simulation::Simulation(std::shared_ptr<const Design> design)
+    : design_(std::move(design)),
+      stepper_(design_),
+      current_(std::make_shared<WaterCurrent>(design_->scene().hydrodynamics.current)) {
     set_state(nullptr, nullptr);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "motion/stepper.hpp"
+#include "water/current.hpp"
 
 namespace dqa {
 
@@ -21,6 +22,11 @@ public:
     long steps() const { return steps_; }
     double time() const { return static_cast<double>(steps_) * design().scene().time_step; }
     const WaterTotals& forces() const { return forces_; }
+    // Velocity of the water over time; at first uniform, as the scene says. Kept by set_state.
+    const std::shared_ptr<const WaterCurrent>& current() const { return current_; }
+    void set_current(std::shared_ptr<const WaterCurrent> current) { current_ = std::move(current); }
+    // That of the step that starts now: asks a caller's function, so call it once a step.
+    Vec3 current_now() const { return current_->value(time()); }
 
     // Sets the state and the clock to 0; sizes and finiteness are the caller's to check.
     void set_state(const double* q, const double* v);
@@ -33,6 +39,7 @@ private:
     std::shared_ptr<const Design> design_;
     Stepper stepper_;
     State state_, next_;
+    std::shared_ptr<const WaterCurrent> current_;
     long steps_ = 0;
     WaterTotals forces_;
 };

@@ -15,6 +15,7 @@ Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
       q_seed_(static_cast<std::size_t>(position_) + 1),
       v_seed_(static_cast<std::size_t>(position_) + 1),
       signal_bar_(static_cast<std::size_t>(position_)),
+      current_bar_(static_cast<std::size_t>(position_)),
       bar_(tape_->design().zero_bar()) {
     state_bar_.q.assign(tape_->design().rest().size(), 0.0);
     state_bar_.v = state_bar_.q;
@@ -103,11 +104,37 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         worst_residual_ = std::max(worst_residual_, report.residual);
         std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);
         signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
+        current_bar_[static_cast<std::size_t>(step)] = step_bar_.current;
         next_ = now;
         position_ = step;
         collect(step);
+        // A function's pullback hears of every step once; tables are gathered on demand.
+        tape_->current_source(step).function_pullback(tape_->time(step), step_bar_.current);
         if (monitor) monitor(from - position_, from - to_step);
     }
+}
+
+std::vector<Vec3> Adjoint::current_table_bar() const {
+    const WaterCurrent& table = tape_->current_source(0);
+    std::vector<Vec3> bar(table.rows().size());
+    for (long step = 0; step < tape_->n_steps(); ++step) {
+        if (bar.empty() || &tape_->current_source(step) != &table)
+            fail(Status::ERROR_STATE, "CURRENT_TABLE: not all steps of the tape read their current from one table");
+        table.table_pullback(tape_->time(step), current_bar_[static_cast<std::size_t>(step)], bar);
+    }
+    return bar;
+}
+
+std::vector<double> Adjoint::water_bar() const {
+    std::vector<double> out(3, 0.0);
+    for (const Vec3& bar : current_bar_)
+        for (std::size_t k = 0; k < 3; ++k) out[k] += bar[k];
+    std::array<double, 4> drag{}, thrust{};
+    WaterLaws::ordinates_pullback(bar_.water.laws, drag, thrust);
+    out.push_back(bar_.water.density);
+    out.insert(out.end(), drag.begin(), drag.end());
+    out.insert(out.end(), thrust.begin(), thrust.end());
+    return out;
 }
 
 std::vector<double> Adjoint::weights_bar() {

@@ -32,6 +32,11 @@ public:
     std::vector<double> control_bar() const;
     // Of numbers added to the actuation of each step; the controller reacts to what follows from them.
     std::vector<double> actuation_bar() const;
+    std::vector<Vec3> current_bar() const { return current_bar_; }  // [n_steps]
+    // Of the table that all steps read their current from (ERROR_STATE where they did not), [n_rows].
+    std::vector<Vec3> current_table_bar() const;
+    // Uniform current (its sum over the steps) [3], density, ordinates of drag [4] and thrust [4].
+    std::vector<double> water_bar() const;
     const std::vector<double>& position_bar() const { return state_bar_.q; }
     const std::vector<double>& velocity_bar() const { return state_bar_.v; }
 
@@ -53,6 +58,7 @@ private:
     State state_bar_;                                   // running cotangents of the cursor's state
     StepBar step_bar_;
     std::vector<std::vector<double>> signal_bar_;
+    std::vector<Vec3> current_bar_;
     DesignBar bar_;
     std::vector<double> theta_bar_;
     std::vector<double> weights_bar_;

@@ -30,13 +30,19 @@ struct Random {
 // if there is one.
 struct Inputs {
     std::vector<double> weights, theta, actuation, q, v;
+    std::vector<double> water;  // as Adjoint::water_bar; the uniform current is added to the others
+    std::vector<double> current, current_table;
 };
 
 class Rollout {
 public:
     Rollout(const Simulation& simulation, const Controller* controller, const std::vector<ObjectiveTerm>& terms,
             int n_steps)
-        : terms_(terms), n_steps_(n_steps), first_step_(simulation.steps()), origin_(simulation.shared_design()) {
+        : terms_(terms),
+          n_steps_(n_steps),
+          first_step_(simulation.steps()),
+          origin_(simulation.shared_design()),
+          source_(simulation.current()) {
         scene_ = origin_->scene();
         scene_.tolerance = 1e-13;
         scene_.adjoint_tolerance = 1e-12;
@@ -45,11 +51,19 @@ public:
         scene_.max_linear = std::max(scene_.max_linear, 5000);
         base_.weights = origin_->point().barycenter.weights;
         base_.q = simulation.q(), base_.v = simulation.v();
+        const WaterSettings& water = scene_.hydrodynamics;
+        base_.water = {0.0, 0.0, 0.0, water.density};
+        base_.water.insert(base_.water.end(), water.drag.begin(), water.drag.end());
+        base_.water.insert(base_.water.end(), water.thrust.begin(), water.thrust.end());
+        for (int k = 0; k < n_steps; ++k)
+            for (const double x : source_->value(time(k))) base_.current.push_back(x);
+        for (const Vec3& row : source_->rows())
+            base_.current_table.insert(base_.current_table.end(), row.begin(), row.end());
         if (controller) controller_ = controller->clone(), base_.theta = controller->parameters();
         const int n = origin_->n_signals();
         for (int k = 0; k < n_steps; ++k)
             for (int s = 0; s < n; ++s) base_.actuation.push_back(controller ? 0.0 : 0.5 * std::sin(0.5 * (k + 1) + s));
-        design_ = design_for(base_.weights);
+        design_ = design_for(base_.weights, scene_);
         // At the tight tolerance a cell at the edge of the active set may have entered or left.
         base_.q = carried(base_.q, origin_->set(), *design_, design_->rest());
         base_.v = carried(base_.v, origin_->set(), *design_, std::vector<double>(design_->rest().size(), 0.0));
@@ -59,8 +73,10 @@ public:
     const Design& design() const { return *design_; }
 
     std::shared_ptr<Tape> run(const Inputs& in, WithRespectTo changed) const {
-        const auto design =
-            changed == WithRespectTo::weights && in.weights != base_.weights ? design_for(in.weights) : design_;
+        auto design = design_;
+        if (changed == WithRespectTo::weights && in.weights != base_.weights) design = design_for(in.weights, scene_);
+        if (changed == WithRespectTo::water && in.water != base_.water)
+            design = design_for(in.weights, in_water(in.water));
         Simulation simulation(design);
         set_state(simulation, in);
         auto tape = std::make_shared<Tape>(0);
@@ -74,17 +90,39 @@ public:
                 const std::vector<double> said = actuation_of(*controller, simulation);
                 for (std::size_t i = 0; i < n; ++i) a[i] += said[i];
             }
-            advance(simulation, a, tape.get());
+            Vec3 current{};
+            for (std::size_t x = 0; x < 3; ++x)
+                current[x] = in.current[3 * static_cast<std::size_t>(k) + x] + in.water[x];
+            if (changed == WithRespectTo::current_table)
+                current = source_->with_rows(rows(in.current_table)).value(time(k));
+            advance(simulation, a, current, tape.get());
         }
         return tape;
     }
 
     double loss(const Inputs& in, WithRespectTo changed) const { return run(in, changed)->objective(terms_, nullptr); }
+    // At the start of step k of the rollout (s).
+    double time(int k) const { return static_cast<double>(first_step_ + k) * origin_->scene().time_step; }
+    const WaterCurrent& current_source() const { return *source_; }
 
 private:
-    std::shared_ptr<const Design> design_for(const std::vector<double>& weights) const {
-        return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene_,
+    std::shared_ptr<const Design> design_for(const std::vector<double>& weights, const SceneSettings& scene) const {
+        return std::make_shared<Design>(std::shared_ptr<const ShapeSpace>(origin_, &origin_->space()), weights, scene,
                                         nullptr);
+    }
+
+    SceneSettings in_water(const std::vector<double>& parameters) const {
+        SceneSettings scene = scene_;
+        scene.hydrodynamics.density = parameters[3];
+        std::copy_n(parameters.begin() + 4, 4, scene.hydrodynamics.drag.begin());
+        std::copy_n(parameters.begin() + 8, 4, scene.hydrodynamics.thrust.begin());
+        return scene;
+    }
+
+    static std::vector<Vec3> rows(const std::vector<double>& values) {
+        std::vector<Vec3> out(values.size() / 3);
+        for (std::size_t i = 0; i < values.size(); ++i) out[i / 3][i % 3] = values[i];
+        return out;
     }
 
     // A nodal field on the nodes of another design, which may have a few more or fewer at the edge of its active set:
@@ -112,6 +150,7 @@ private:
     int n_steps_;
     long first_step_;
     std::shared_ptr<const Design> origin_, design_;
+    std::shared_ptr<const WaterCurrent> source_;
     SceneSettings scene_;
     std::unique_ptr<Controller> controller_;
     Inputs base_;
@@ -147,6 +186,9 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         fail(Status::ERROR_ARGUMENT, "controller is NULL, expected one: with_respect_to is CONTROL");
     if (quantity == WithRespectTo::weights && simulation.design().space().bases().size() < 2)
         fail(Status::ERROR_ARGUMENT, "with_respect_to is WEIGHTS: expected at least two bases, the space has one");
+    if (quantity == WithRespectTo::current_table && simulation.current()->rows().empty())
+        fail(Status::ERROR_ARGUMENT,
+             "with_respect_to is CURRENT_TABLE: expected a current from a table, not a callback");
     const Rollout rollout(simulation, controller, terms, settings.n_steps);
     Inputs direction = rollout.base();
     std::vector<double> Inputs::*field = nullptr;
@@ -180,10 +222,23 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
             for (double& x : direction.v) x = random();
             if (!(first_step > 0)) first_step = 4e-3;
             break;
+        case WithRespectTo::water:
+            field = &Inputs::water;
+            for (double& x : direction.water) x = random() * std::max(1.0, std::fabs(x));
+            if (!(first_step > 0)) first_step = 4e-3;
+            break;
+        case WithRespectTo::current:
+        case WithRespectTo::current_table:
+            field = quantity == WithRespectTo::current ? &Inputs::current : &Inputs::current_table;
+            for (double& x : direction.*field) x = random();
+            if (!(first_step > 0)) first_step = 4e-3;
+            break;
     }
     // In two dimensions there is no motion along z.
+    if (simulation.design().set().box.dims == 2) direction.water[2] = 0.0;
     if (simulation.design().set().box.dims == 2 &&
-        (quantity == WithRespectTo::initial_position || quantity == WithRespectTo::initial_velocity))
+        (quantity == WithRespectTo::initial_position || quantity == WithRespectTo::initial_velocity ||
+         quantity == WithRespectTo::current || quantity == WithRespectTo::current_table))
         for (std::size_t i = 2; i < (direction.*field).size(); i += 3) (direction.*field)[i] = 0.0;
     // Stay on the simplex over the whole stencil.
     if (quantity == WithRespectTo::weights)
@@ -215,6 +270,20 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         case WithRespectTo::initial_velocity:
             gradient = adjoint.velocity_bar();
             break;
+        case WithRespectTo::water:
+            gradient = adjoint.water_bar();
+            break;
+        case WithRespectTo::current:
+            for (const Vec3& bar : adjoint.current_bar()) gradient.insert(gradient.end(), bar.begin(), bar.end());
+            break;
+        case WithRespectTo::current_table: {
+            std::vector<Vec3> table_bar(rollout.current_source().rows().size());
+            const std::vector<Vec3> bar = adjoint.current_bar();
+            for (int k = 0; k < settings.n_steps; ++k)
+                rollout.current_source().table_pullback(rollout.time(k), bar[static_cast<std::size_t>(k)], table_bar);
+            for (const Vec3& row : table_bar) gradient.insert(gradient.end(), row.begin(), row.end());
+            break;
+        }
     }
     const std::vector<double>& d = direction.*field;
     for (std::size_t i = 0; i < gradient.size(); ++i) {

@@ -9,7 +9,16 @@
 
 namespace dqa {
 
-enum class WithRespectTo : int { weights = 0, control = 1, actuation = 2, initial_position = 3, initial_velocity = 4 };
+enum class WithRespectTo : int {
+    weights = 0,
+    control = 1,
+    actuation = 2,
+    initial_position = 3,
+    initial_velocity = 4,
+    water = 5,
+    current = 6,
+    current_table = 7,
+};
 
 struct GradientCheckSettings {
     WithRespectTo quantity = WithRespectTo::weights;

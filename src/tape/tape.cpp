@@ -94,6 +94,7 @@ void Tape::begin(const Simulation& simulation) {
 void Tape::append(const Simulation& simulation, const StepInput& input, const StepReport& report) {
     actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
     current_.push_back(input.current);
+    current_source_.push_back(simulation.current());
     statistics_.bytes += input_bytes(*design_);
     if (stride_ == 1) {
         State s;
@@ -132,7 +133,7 @@ void Tape::set_controller(const Controller& controller) {
 void Tape::clear() {
     design_.reset();
     controller_.reset();
-    states_.clear(), actuation_.clear(), current_.clear();
+    states_.clear(), actuation_.clear(), current_.clear(), current_source_.clear();
     last_ = {};
     stride_ = 1;
     first_step_ = 0;
@@ -184,7 +185,11 @@ double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term
 }
 
 StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape) {
-    const StepInput input{signals.data(), simulation.design().scene().hydrodynamics.current};
+    return advance(simulation, signals, simulation.current_now(), tape);
+}
+
+StepReport advance(Simulation& simulation, const std::vector<double>& signals, const Vec3& current, Tape* tape) {
+    const StepInput input{signals.data(), current};
     if (!tape) return simulation.step(input);
     tape->make_room(simulation.design());
     const bool first = tape->empty();

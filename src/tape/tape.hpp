@@ -51,10 +51,14 @@ public:
     State state(long step) const;
     std::vector<double> q(long step) const { return state(step).q; }
     std::vector<double> v(long step) const { return state(step).v; }
+    // Velocity of the water during step `step`, and where it came from.
     const Vec3& current(long step) const { return current_[static_cast<std::size_t>(step)]; }
+    const WaterCurrent& current_source(long step) const { return *current_source_[static_cast<std::size_t>(step)]; }
     const std::vector<double>& actuation(long step) const { return actuation_[static_cast<std::size_t>(step)]; }
     // Clock of the simulation when the first step was taken: controllers see step + first_step.
     long first_step() const { return first_step_; }
+    // At the start of step `step` (s): what the simulation's clock showed.
+    double time(long step) const { return static_cast<double>(first_step_ + step) * design_->scene().time_step; }
 
     bool keeps(long step) const { return step % stride_ == 0 || step == n_steps(); }
     State kept_state(long step) const;
@@ -85,13 +89,16 @@ private:
     std::vector<State> states_;
     State last_;  // if the stride is not 1
     std::vector<Vec3> current_;
+    std::vector<std::shared_ptr<const WaterCurrent>> current_source_;
     std::vector<std::vector<double>> actuation_;
     long first_step_ = 0;
     Statistics statistics_;
     mutable std::atomic<std::int64_t> recomputed_{0};  // by readers, perhaps on several threads
 };
 
-// One step driven by given signals, recorded if tape is not null.
+// One step driven by given signals and the simulation's current, recorded if tape is not null.
 StepReport advance(Simulation& simulation, const std::vector<double>& signals, Tape* tape);
+// The same in a current that was read before.
+StepReport advance(Simulation& simulation, const std::vector<double>& signals, const Vec3& current, Tape* tape);
 
 }  // namespace dqa

@@ -8,7 +8,8 @@ namespace {
 
 using namespace fixtures;
 
-constexpr const char* kNames[] = {"weights", "control", "actuation", "initial position", "initial velocity"};
+constexpr const char* kNames[] = {"weights",          "control", "actuation", "initial position",
+                                  "initial velocity", "water",   "current",   "current table"};
 
 void check_all(const Vector& weights, bool moving) {
     static const auto space = ellipsoid_space({14, 6, 6}, 0.07);
@@ -28,7 +29,10 @@ void check_all(const Vector& weights, bool moving) {
     }
     const Vector q(s.q()), v(s.v());
     const long clock = s.steps();
-    for (int quantity = 0; quantity < 5; ++quantity) {
+    if (moving)  // the clock stands at 0.1 s: one knot lies within the rollout
+        s.set_current(std::make_shared<dqa::WaterCurrent>(
+            std::vector<double>{0.0, 0.15, 0.3}, std::vector<Vec3>{{-0.5, 0, 0}, {-0.6, 0.1, 0}, {-0.3, 0.2, 0.1}}));
+    for (int quantity = 0; quantity < 8; ++quantity) {
         GradientCheckSettings settings;
         settings.quantity = static_cast<WithRespectTo>(quantity);
         settings.n_steps = moving ? 3 : 4;
@@ -56,6 +60,64 @@ void test_vertex_from_rest() {
 }
 void test_vertex_in_motion() {
     check_all({0.0, 1.0}, true);
+}
+
+// The variants of the water, away from tangential flow: the force of the start of the step, and windward faces alone.
+void test_water_variants() {
+    static const auto space = ellipsoid_space({14, 6, 6}, 0.07);
+    for (const bool windward : {false, true}) {
+        SceneSettings scene;
+        scene.hydrodynamics.current = {-0.3, 0.23, -0.26};
+        scene.hydrodynamics.explicit_forces = true;
+        scene.hydrodynamics.windward_only = windward;
+        const Simulation s(make_design(scene, {0.6, 0.4}, space));
+        for (const WithRespectTo quantity : {WithRespectTo::weights, WithRespectTo::actuation, WithRespectTo::water}) {
+            GradientCheckSettings settings;
+            settings.quantity = quantity;
+            settings.n_steps = 2;
+            settings.step = 1e-3;
+            const GradientCheckReport r = check_gradient(s, nullptr, {{}}, settings);
+            print_message("%s, %s: error %.1e, slope %.3f\n", windward ? "windward" : "both faces",
+                          kNames[static_cast<int>(quantity)], r.relative_error, r.taylor_slope);
+            CHECK(r.gradient_norm > 0 && r.relative_error <= 1e-6);
+        }
+    }
+}
+
+// A function of time: read once a step, never by the adjoint; its pullback hears of each step, last first.
+void test_current_function() {
+    static const auto space = ellipsoid_space({14, 6, 6}, 0.07);
+    Simulation s(make_design({}, {0.6, 0.4}, space));
+    int calls = 0;
+    std::vector<double> heard, bars;
+    s.set_current(std::make_shared<dqa::WaterCurrent>(
+        [&](double t) {
+            ++calls;
+            return Vec3{-0.4 * std::cos(9 * t), 0.0, 0.1};
+        },
+        [&](double t, const Vec3& bar) { heard.push_back(t), bars.insert(bars.end(), bar.begin(), bar.end()); }));
+    const auto tape = std::make_shared<Tape>(0);
+    for (int k = 0; k < 4; ++k) advance(s, {0.5}, tape.get());
+    CHECK(calls == 4);
+    Adjoint adjoint(tape);
+    adjoint.seed_objective({{}});
+    adjoint.backward(2, nullptr);
+    adjoint.backward(0, nullptr);
+    CHECK(calls == 4 && heard.size() == 4);
+    for (std::size_t k = 0; k < 4; ++k) {
+        NEAR(heard[k], static_cast<double>(3 - k) / 30.0, 1e-15);
+        for (std::size_t x = 0; x < 3; ++x) CHECK(bars[3 * k + x] == adjoint.current_bar()[3 - k][x]);
+    }
+    EXPECT_ERROR(ERROR_STATE, "CURRENT_TABLE", adjoint.current_table_bar());
+    GradientCheckSettings settings;
+    settings.n_steps = 2;
+    for (const WithRespectTo quantity : {WithRespectTo::actuation, WithRespectTo::current}) {
+        settings.quantity = quantity;
+        CHECK(check_gradient(s, nullptr, {{}}, settings).relative_error <= 1e-6);
+    }
+    CHECK(calls == 8 && heard.size() == 4);  // once a step of each rollout, whatever is perturbed
+    settings.quantity = WithRespectTo::current_table;
+    EXPECT_ERROR(ERROR_ARGUMENT, "CURRENT_TABLE", check_gradient(s, nullptr, {{}}, settings));
 }
 
 // A design from a loosely converged density: the check converges its own, whose active set may have other cells.
@@ -96,7 +158,8 @@ void test_loose_density() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_inside_from_rest), TEST(test_inside_in_motion), TEST(test_vertex_from_rest),
-        TEST(test_vertex_in_motion), TEST(test_loose_density),
+        TEST(test_vertex_in_motion), TEST(test_loose_density),    TEST(test_water_variants),
+        TEST(test_current_function),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
