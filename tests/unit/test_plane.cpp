@@ -151,7 +151,8 @@ void test_methods_agree() {
 }
 
 void test_gradient() {
-    static constexpr const char* names[] = {"weights", "control", "actuation", "initial position", "initial velocity"};
+    static constexpr const char* names[] = {"weights",          "control", "actuation", "initial position",
+                                            "initial velocity", "water",   "current",   "current table"};
     for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
         SceneSettings scene;
         scene.integrator = integrator;
@@ -159,7 +160,7 @@ void test_gradient() {
         Simulation s(make_design(scene, {0.35, 0.65}, space()));
         Sinusoid controller(1, scene.time_step);
         controller.set_parameters({0.8, 11.0, 0.3});
-        for (int quantity = 0; quantity < 5; ++quantity) {
+        for (int quantity = 0; quantity < 8; ++quantity) {
             GradientCheckSettings settings;
             settings.quantity = static_cast<WithRespectTo>(quantity);
             settings.n_steps = 5;
