@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "grid/parallel.hpp"
-
 namespace dqa {
 namespace {
 
@@ -57,39 +55,24 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
     : n_elements_(static_cast<int>(element_cells.size())),
       n_blocks_((n_elements_ + kBlockLanes - 1) / kBlockLanes),
       n_nodes_(set.n_nodes()),
-      nodes_(static_cast<std::size_t>(n_blocks_) * 64, 0),
-      start_(static_cast<std::size_t>(n_nodes_) + 1, 0) {
+      nodes_(static_cast<std::size_t>(n_blocks_) * 64, 0) {
     for (int e = 0; e < n_blocks_ * kBlockLanes; ++e) {
         const int cell = element_cells[static_cast<std::size_t>(std::min(e, n_elements_ - 1))];
         for (int k = 0; k < 8; ++k)
             nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] =
                 3 * set.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(k)];
     }
-    for (int e = 0; e < n_elements_; ++e)
-        for (int k = 0; k < 8; ++k)
-            ++start_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3) + 1];
-    for (int n = 0; n < n_nodes_; ++n) start_[static_cast<std::size_t>(n) + 1] += start_[static_cast<std::size_t>(n)];
-    slot_.resize(static_cast<std::size_t>(n_elements_) * 8);
-    std::vector<int> fill(start_.begin(), start_.end() - 1);
+    std::vector<int> node, place;
     for (int e = 0; e < n_elements_; ++e)
         for (int k = 0; k < 8; ++k) {
-            const std::size_t node =
-                static_cast<std::size_t>(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
-            slot_[static_cast<std::size_t>(fill[node]++)] = ((e / 8) * 8 + k) * 24 + e % 8;
+            node.push_back(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
+            place.push_back(((e / 8) * 8 + k) * 24 + e % 8);
         }
+    gather_ = NodeGather(n_nodes_, node, place);
 }
 
 void BlockLayout::add_to_nodes(const double* element_force, double* out, Threads threads) const {
-    parallel_chunks(threads, n_nodes_, 512, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            double x = 0.0, y = 0.0, z = 0.0;
-            for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
-                const double* f = element_force + slot_[static_cast<std::size_t>(s)];
-                x += f[0], y += f[8], z += f[16];
-            }
-            out[3 * n] += x, out[3 * n + 1] += y, out[3 * n + 2] += z;
-        }
-    });
+    gather_.add<kBlockLanes>(element_force, 1.0, out, threads);
 }
 
 std::vector<double> BlockLayout::blocked(const std::vector<double>& values) const {

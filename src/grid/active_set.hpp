@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grid/box.hpp"
+#include "grid/node_gather.hpp"
 #include "grid/parallel.hpp"
 
 namespace dqa {
@@ -27,7 +28,7 @@ struct ActiveSet {
 ActiveSet make_active_set(const Box& box, const std::vector<char>& mask);
 
 // A list of elements (cells; a cell may occur several times) in blocks of 8 lanes, and the transposed map from element
-// forces onto nodes. Summing node by node in element order gives the same bits for any number of threads.
+// forces onto nodes.
 class BlockLayout {
 public:
     // element_cells: active cell of each element.
@@ -46,8 +47,7 @@ public:
 private:
     int n_elements_, n_blocks_, n_nodes_;
     std::vector<int> nodes_;
-    std::vector<int> start_;  // CSR over nodes
-    std::vector<int> slot_;   // offset of (block, corner, component 0, lane)
+    NodeGather gather_;
 };
 
 }  // namespace dqa

@@ -36,7 +36,7 @@ Vec3 mean_of(const double* q, const std::array<int, 4>& nodes) {
 }  // namespace
 
 Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings)
-    : settings_(settings), laws_(settings.drag, settings.thrust, settings.angle_smoothing), n_nodes_(set.n_nodes()) {
+    : settings_(settings), laws_(settings.drag, settings.thrust, settings.angle_smoothing) {
     const Box& box = set.box;
     const double eps = settings.surface_smoothing;
     const auto add = [&](int low, int high, const std::array<std::array<int, 3>, 4>& corners) {
@@ -78,28 +78,10 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
             }
         }
     }
-    start_.assign(static_cast<std::size_t>(n_nodes_) + 1, 0);
-    for (const Face& f : faces_)
-        for (const int n : f.nodes) ++start_[static_cast<std::size_t>(n / 3) + 1];
-    for (int n = 0; n < n_nodes_; ++n) start_[static_cast<std::size_t>(n) + 1] += start_[static_cast<std::size_t>(n)];
-    slot_.resize(faces_.size() * 4);
-    std::vector<int> fill(start_.begin(), start_.end() - 1);
+    std::vector<int> node, place;
     for (std::size_t f = 0; f < faces_.size(); ++f)
-        for (const int n : faces_[f].nodes)
-            slot_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n / 3)]++)] = 3 * static_cast<int>(f);
-}
-
-void Water::add_to_nodes(const double* face_force, double* out, Threads threads) const {
-    parallel_chunks(threads, n_nodes_, 512, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            double x = 0.0, y = 0.0, z = 0.0;
-            for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
-                const double* f = face_force + slot_[static_cast<std::size_t>(s)];
-                x += f[0], y += f[1], z += f[2];
-            }
-            out[3 * n] += 0.25 * x, out[3 * n + 1] += 0.25 * y, out[3 * n + 2] += 0.25 * z;
-        }
-    });
+        for (const int n : faces_[f].nodes) node.push_back(n / 3), place.push_back(3 * static_cast<int>(f));
+    gather_ = NodeGather(set.n_nodes(), node, place);
 }
 
 void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
@@ -168,7 +150,7 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
         }
         return e;
     });
-    add_to_nodes(ws.force.data(), out, threads);
+    gather_.add<1>(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
     return energy;
 }
 
@@ -182,7 +164,7 @@ void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threa
             for (std::size_t k = 0; k < 3; ++k) ws.force[3 * i + k] = ws.cd[i] / h * u[k] + nu * n[k];
         }
     });
-    add_to_nodes(ws.force.data(), out, threads);
+    gather_.add<1>(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
 }
 
 void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,

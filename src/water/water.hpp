@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "grid/active_set.hpp"
+#include "grid/node_gather.hpp"
 #include "grid/parallel.hpp"
 #include "water/laws.hpp"
 
@@ -97,13 +98,11 @@ private:
                         double inv_h) const;
     // Factor of the lagged coefficients: 0 for a face that does not count.
     double counted(double x) const { return settings_.windward_only && !(x > 0.0) ? 0.0 : 1.0; }
-    void add_to_nodes(const double* face_force, double* out, Threads threads) const;
 
     WaterSettings settings_;
     WaterLaws laws_;
     std::vector<Face> faces_;
-    int n_nodes_;
-    std::vector<int> start_, slot_;  // CSR: faces of each node
+    NodeGather gather_;  // of the faces
 };
 
 }  // namespace dqa
