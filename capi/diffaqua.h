@@ -23,23 +23,24 @@
 #include <stdint.h>
 
 #if defined(__GNUC__) && !defined(DQA_NO_VISIBILITY)
-#define DQA_API __attribute__((visibility("default")))
+#define DQA_API __attribute__((visibility("default"))) /* marks what the shared library exports */
 #else
-#define DQA_API
+#define DQA_API /* marks what the shared library exports */
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define DQA_VERSION_MAJOR 0
-#define DQA_VERSION_MINOR 1
-#define DQA_VERSION_PATCH 0
-#define DQA_ABI_VERSION 0
+#define DQA_VERSION_MAJOR 0  /* of the header; a program may compare it with dqa_version() */
+#define DQA_VERSION_MINOR 1  /* below 1.0 a new one may change the ABI */
+#define DQA_VERSION_PATCH 0  /* never changes the ABI */
+#define DQA_ABI_VERSION 0    /* see dqa_abi_version */
 
 /* ------------------------------------------------------------------ status */
+/* What every call returns: 0 or one of the negative codes below. */
 typedef int32_t dqa_status;
-#define DQA_SUCCESS 0
+#define DQA_SUCCESS 0              /* all went well */
 #define DQA_ERROR_ARGUMENT (-1)    /* an argument is out of its range; the message names it */
 #define DQA_ERROR_STATE (-2)       /* the call does not fit the state of the object (double build, passed step) */
 #define DQA_ERROR_FILE (-3)        /* a file's content is not what was expected */
@@ -65,17 +66,17 @@ DQA_API const char *dqa_status_text(dqa_status status);
 /* Message of the last failed call on this thread; "" when none failed. Valid until the thread's next failing call. */
 DQA_API const char *dqa_last_error(void);
 
-#define DQA_LOG_ERROR 1
-#define DQA_LOG_WARNING 2
-#define DQA_LOG_INFO 3
-#define DQA_LOG_DEBUG 4
+#define DQA_LOG_ERROR 1   /* a call is about to fail for a reason that its message does not hold */
+#define DQA_LOG_WARNING 2 /* the result is right, but not the way or the input that one would expect */
+#define DQA_LOG_INFO 3    /* about one message a call */
+#define DQA_LOG_DEBUG 4   /* about one message a step or solve */
 /* Receives messages of level <= the level given to dqa_set_log_handler; may be called from any thread. */
 typedef void (*dqa_log_handler)(int32_t level, const char *message, void *user_data);
 /* Process-wide; NULL handler silences the library, which is the default. Safe from any thread; a message under way in
  * another thread may still reach the handler that is replaced, so keep its user_data for as long as such calls run.
- * The handler may call the library. Texts are for people and may change. Messages: WARNING for input or a way of solving
- * that one would not expect (mended meshes, an adjoint that fell back on a factorisation); INFO for each design; DEBUG
- * for each barycentre and step. */
+ * The handler may call the library. Texts are for people and may change. Messages: WARNING for input or a way of
+ * solving that one would not expect (mended meshes, an adjoint that fell back on a factorisation); INFO for each
+ * design; DEBUG for each barycentre and step. */
 DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void *user_data);
 
 /* Progress of a long call: `done` of `total` units; called on the calling thread; non-zero cancels (DQA_CANCELLED). */
@@ -83,10 +84,13 @@ typedef int32_t (*dqa_progress)(int64_t done, int64_t total, void *user_data);
 
 /* ------------------------------------------------------------------ cancel token */
 typedef struct dqa_cancel_token dqa_cancel_token;
+/* A new token that is not set. Objects whose options name it keep what they need of it: it may be freed before them. */
 DQA_API dqa_status dqa_cancel_token_create(dqa_cancel_token **token);
 /* Asks every call that watches the token to stop. Async-signal-safe; may be called from any thread. */
 DQA_API dqa_status dqa_cancel_token_set(dqa_cancel_token *token);
+/* Lets the calls that watch the token run again. May be called from any thread. */
 DQA_API dqa_status dqa_cancel_token_reset(dqa_cancel_token *token);
+/* NULL: nothing happens. Not while another thread or a signal handler may still set it. */
 DQA_API void dqa_cancel_token_free(dqa_cancel_token *token);
 
 /* ------------------------------------------------------------------ shape space */
@@ -101,14 +105,15 @@ typedef struct dqa_shape_space dqa_shape_space;
 #define DQA_UP_Z 1    /* the mesh is used as it is: x heading, z up */
 #define DQA_UP_Y 2    /* the mesh has y up: it is turned by 90 degrees about x */
 
+/* Box, meshes, interpolation. */
 typedef struct dqa_shape_space_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */
     int32_t dims;            /* 3 (default), or 2: the plane x heading, y lateral, in plane strain; masses and forces are
                                 those of a slab one cell thick, and cells_z counts as 1 whatever it is */
     int32_t cells_x;         /* number of cells along x, y, z; each in [8, 512]; default 60, 16, 26 */
-    int32_t cells_y;
-    int32_t cells_z;
+    int32_t cells_y;  /* see cells_x */
+    int32_t cells_z;  /* see cells_x */
     int32_t margin;          /* empty cells kept ahead of and behind every mesh, >= 1; default 2 */
     int32_t margin_across;   /* empty cells kept beside, above and below it, >= 0; default 0 */
     int32_t up;              /* DQA_UP_*: which way the meshes added later stand */
@@ -126,7 +131,9 @@ typedef struct dqa_shape_space_options {
 
 /* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */
 DQA_API dqa_status dqa_shape_space_options_init(dqa_shape_space_options *options, uint64_t size);
+/* An open space without bases. */
 DQA_API dqa_status dqa_shape_space_create(const dqa_shape_space_options *options, dqa_shape_space **space);
+/* NULL: nothing happens. Simulators of the space keep what they need of it. */
 DQA_API void dqa_shape_space_free(dqa_shape_space *space);
 
 /* Adds a base from a closed triangle mesh. vertices [n_vertices][3], any unit; triangles [n_triangles][3].
@@ -153,6 +160,7 @@ typedef struct dqa_actuator_options {
     double variance[3];  /* m^2, > 0: eigenvalues of the covariance along the actuator's own axes */
     double euler[3];     /* rad: Sigma = R^T diag(variance) R with R = Rx(e0) Ry(e1) Rz(e2) */
 } dqa_actuator_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_actuator_options) as the caller compiled it. */
 DQA_API dqa_status dqa_actuator_options_init(dqa_actuator_options *options, uint64_t size);
 /* Gives base `base` an actuator; at most one of each category. Lengths need the cell size: set
  * options.cell_size > 0 at creation to use this function. Bases without any actuator get a caudal one placed from
@@ -165,13 +173,14 @@ DQA_API dqa_status dqa_shape_space_get_actuator(const dqa_shape_space *space, in
 /* Freezes the space: base densities, cell size, automatic actuators, sensor axis. */
 DQA_API dqa_status dqa_shape_space_build(dqa_shape_space *space, dqa_progress progress, void *user_data);
 
+/* What dqa_shape_space_get_info tells. */
 typedef struct dqa_shape_space_info {
     uint32_t struct_size;
-    int32_t dims;
-    int32_t cells_x;
-    int32_t cells_y;
-    int32_t cells_z;
-    int32_t n_bases;
+    int32_t dims;  /* 2 or 3 */
+    int32_t cells_x;  /* cells along x */
+    int32_t cells_y;  /* cells along y */
+    int32_t cells_z;  /* cells along z; 1 in two dimensions */
+    int32_t n_bases;  /* base shapes added so far */
     int32_t n_signals;  /* actuation signals that a simulator of this space takes per step; 0 before build */
     int32_t is_built;   /* 0 or 1 */
     int64_t n_cells;    /* cells_x * cells_y * cells_z */
@@ -192,19 +201,23 @@ DQA_API dqa_status dqa_shape_space_pullback(const dqa_shape_space *space, const 
                                             const double *density_bar, int64_t n, double *weights_bar);
 /* Writes a built space (atomically: a temporary file, then rename) and reads it back with the same bits. */
 DQA_API dqa_status dqa_shape_space_save(const dqa_shape_space *space, const char *path);
+/* The built space of a file; DQA_ERROR_FILE if it is none, is damaged or of a later version. */
 DQA_API dqa_status dqa_shape_space_load(const char *path, dqa_shape_space **space);
 
 /* ------------------------------------------------------------------ simulator */
 /* One scene: a shape space, material, water, time step, solver; the current design (weights) and state (q, v). */
 typedef struct dqa_simulator dqa_simulator;
+/* Parameters theta and the map from them to actuation. */
 typedef struct dqa_controller dqa_controller;
+/* The record of one rollout. */
 typedef struct dqa_tape dqa_tape;
+/* A cursor that walks back over a tape, with the cotangents it has gathered. */
 typedef struct dqa_adjoint dqa_adjoint;
 
 #define DQA_METHOD_NEWTON_PCG 0    /* Newton, conjugate gradients preconditioned by the projective-dynamics factor */
 #define DQA_METHOD_NEWTON_DIRECT 1 /* Newton with a sparse factorisation of the exact Hessian: the oracle */
 
-#define DQA_WATER_NONE 0
+#define DQA_WATER_NONE 0     /* no water: the body moves in empty space */
 #define DQA_WATER_IMPLICIT 1 /* lagged coefficients in a convex dissipation of the new velocity */
 #define DQA_WATER_EXPLICIT 2 /* for comparison: drag and thrust at the start of the step, constant during it, as the
                                 paper's public code has them; light surface nodes blow up at ordinary time steps */
@@ -214,6 +227,7 @@ typedef struct dqa_adjoint dqa_adjoint;
                                 step) count, as in the paper's public code. The force jumps at Phi = 0: gradients hold
                                 within one set of counted faces and are not promised to pass finite differences */
 
+/* Material, water, time integration and solver of a scene. */
 typedef struct dqa_simulator_options {
     uint32_t struct_size;
     uint32_t flags;              /* must be 0 */
@@ -247,10 +261,12 @@ typedef struct dqa_simulator_options {
     int32_t padding;             /* must be 0 */
 } dqa_simulator_options;
 
+/* Fills *options with defaults; `size` is sizeof(dqa_simulator_options) as the caller compiled it. */
 DQA_API dqa_status dqa_simulator_options_init(dqa_simulator_options *options, uint64_t size);
 /* The space must be built. The new simulator has no design yet: call dqa_simulator_set_weights. */
 DQA_API dqa_status dqa_simulator_create(dqa_shape_space *space, const dqa_simulator_options *options,
                                         dqa_simulator **simulator);
+/* NULL: nothing happens. Tapes of the simulator keep what they need of it. */
 DQA_API void dqa_simulator_free(dqa_simulator *simulator);
 /* New design: density, active cells, muscles, factor; resets the state to rest at the origin and the clock to 0.
  * weights [n_bases] on the simplex (>= 0, sum 1 within 1e-9). On failure the old design stays. */
@@ -270,28 +286,29 @@ typedef int32_t (*dqa_current)(double time, double *current, void *user_data);
 typedef int32_t (*dqa_current_pullback)(double time, const double *current_bar, void *user_data);
 /* The same from a function of the caller's, called once a step on the calling thread. The tape records its values: a
  * step that is recomputed does not ask again. During dqa_adjoint_backward `pullback` (NULL: not wanted) is called once
- * for every step, last step first. Both must stay callable, and user_data valid, while the simulator or a tape with such
- * steps is used. NULL current goes back to options.current. */
+ * for every step, last step first. Both must stay callable, and user_data valid, while the simulator or a tape with
+ * such steps is used. NULL current goes back to options.current. */
 DQA_API dqa_status dqa_simulator_set_current_callback(dqa_simulator *simulator, dqa_current current,
                                                       dqa_current_pullback pullback, void *user_data);
 
+/* What dqa_simulator_get_info tells; fields that need a design are 0 before dqa_simulator_set_weights. */
 typedef struct dqa_simulator_info {
     uint32_t struct_size;
-    int32_t dims;
-    int32_t n_bases;
-    int32_t n_signals;
+    int32_t dims;  /* 2 or 3 */
+    int32_t n_bases;  /* length of the weights */
+    int32_t n_signals;  /* actuation signals a step */
     int32_t n_sensors;          /* length of the sensor vector of dqa_simulator_sensors */
     int32_t has_design;         /* 0 or 1 */
     int64_t n_nodes;            /* of the active cells; state arrays have n_nodes * dims elements */
-    int64_t n_active_cells;
+    int64_t n_active_cells;  /* simulated cells */
     int64_t n_body_cells;       /* cells whose density exceeds 1/2 */
     int64_t n_faces;            /* faces of the diffuse surface */
-    int64_t n_muscle_cells;
+    int64_t n_muscle_cells;  /* cells with at least one fibre */
     int64_t factor_entries;     /* of the preconditioner's Cholesky factor */
     int64_t steps;              /* taken since the design was set or the state was last set */
     int64_t newton_iterations;  /* totals since the design was set */
-    int64_t linear_iterations;
-    int64_t adjoint_iterations;
+    int64_t linear_iterations;  /* of conjugate gradients (factorisations with newton_direct) */
+    int64_t adjoint_iterations;  /* of the backward sweeps of all its tapes */
     double time;                /* s: steps * time_step */
     double total_mass;          /* kg */
     double volume;              /* m^3: sum of occupancy times cell volume */
@@ -300,6 +317,7 @@ typedef struct dqa_simulator_info {
     double setup_seconds;       /* wall time of the last dqa_simulator_set_weights, barycentre included */
     double barycenter_seconds;  /* its barycentre alone */
 } dqa_simulator_info;
+/* `size` is sizeof(dqa_simulator_info) as the caller compiled it. */
 DQA_API dqa_status dqa_simulator_get_info(const dqa_simulator *simulator, dqa_simulator_info *info, uint64_t size);
 /* Current weights [n_bases]. */
 DQA_API dqa_status dqa_simulator_get_weights(const dqa_simulator *simulator, double *weights, int64_t m);
@@ -399,6 +417,7 @@ DQA_API dqa_status dqa_callback_controller_options_init(dqa_callback_controller_
  * live as long as the controller and the tapes and adjoints of its rollouts; they run on the thread of the call. */
 DQA_API dqa_status dqa_controller_create_callback(const dqa_callback_controller_options *options, const double *theta,
                                                   int64_t n_parameters, dqa_controller **controller);
+/* NULL: nothing happens. Tapes keep a copy of the controller that drove them. */
 DQA_API void dqa_controller_free(dqa_controller *controller);
 
 typedef struct dqa_controller_info {
@@ -411,8 +430,11 @@ typedef struct dqa_controller_info {
     int64_t n_parameters;
 } dqa_controller_info;
 DQA_API dqa_status dqa_controller_get_info(const dqa_controller *controller, dqa_controller_info *info, uint64_t size);
+/* *n receives the number of parameters. */
 DQA_API dqa_status dqa_controller_n_parameters(const dqa_controller *controller, int64_t *n);
+/* Copies the parameters to theta [n_parameters]. */
 DQA_API dqa_status dqa_controller_get_parameters(const dqa_controller *controller, double *theta, int64_t n);
+/* Replaces the parameters by theta [n_parameters]; DQA_ERROR_ARGUMENT where one is out of its range. */
 DQA_API dqa_status dqa_controller_set_parameters(dqa_controller *controller, const double *theta, int64_t n);
 /* Actuation [n] = [n_signals] at a step index (>= 0), e.g. for the caller's own loop over dqa_simulator_step. sensors
  * [n_sensors] as of dqa_simulator_sensors; NULL with 0 for a controller that reads none. On failure actuation keeps its
@@ -436,12 +458,15 @@ typedef struct dqa_tape_options {
      * Seeds of the caller's own and working memory of the solver are not counted. */
     int64_t memory_bytes;
 } dqa_tape_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_tape_options) as the caller compiled it. */
 DQA_API dqa_status dqa_tape_options_init(dqa_tape_options *options, uint64_t size);
 /* An empty tape for the simulator's rollouts; the first recorded step fixes design and initial state. */
 DQA_API dqa_status dqa_tape_create(dqa_simulator *simulator, const dqa_tape_options *options, dqa_tape **tape);
+/* NULL: nothing happens. Adjoints of the tape keep what they need of it. */
 DQA_API void dqa_tape_free(dqa_tape *tape);
 /* Empties the tape for another rollout. DQA_ERROR_STATE while an adjoint of it lives. */
 DQA_API dqa_status dqa_tape_clear(dqa_tape *tape);
+/* *n_steps receives the number of recorded steps. */
 DQA_API dqa_status dqa_tape_n_steps(const dqa_tape *tape, int64_t *n_steps);
 /* State after `step` steps, step in [0, n_steps]; q, v [n_nodes][dims]. NULL: not wanted. States that a memory budget
  * made the tape drop are computed again: cheapest in order, from the first to the last. */
@@ -454,28 +479,32 @@ DQA_API dqa_status dqa_tape_get_current(dqa_tape *tape, int64_t step, double *cu
  * dqa_simulator_surface for the same design. */
 DQA_API dqa_status dqa_tape_get_surface(dqa_tape *tape, int64_t step, double *vertices, int64_t nv);
 
+/* What dqa_tape_stats tells. */
 typedef struct dqa_tape_statistics {
     uint32_t struct_size;
-    int32_t padding;
-    int64_t steps;
+    int32_t padding;  /* 0 */
+    int64_t steps;  /* recorded */
     int64_t bytes;               /* held by recorded states and actuations */
     int64_t newton_iterations;   /* of the recorded steps */
-    int64_t linear_iterations;
+    int64_t linear_iterations;  /* of the recorded steps */
     int64_t adjoint_iterations;  /* of all backward sweeps so far */
     double worst_residual;       /* largest relative force residual of the recorded steps */
-    double worst_adjoint_residual;
+    double worst_adjoint_residual;  /* largest relative residual of the adjoint's linear solves */
     int64_t checkpoints;         /* states held by the tape: steps + 1 while all of them are */
     int64_t recomputed_steps;    /* steps computed again by backward sweeps and reads so far */
 } dqa_tape_statistics;
+/* `size` is sizeof(dqa_tape_statistics) as the caller compiled it. */
 DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);
 
 #define DQA_OBJECTIVE_TRAVEL 0 /* -(mean over the spine of x_N - x_0), weighted by rest occupancy (m) */
 
+/* One term of a loss. An array of them has terms[0].struct_size as its stride. */
 typedef struct dqa_objective_term {
     uint32_t struct_size;
     int32_t kind;    /* DQA_OBJECTIVE_* */
     double weight;   /* the loss is the weighted sum of the terms */
 } dqa_objective_term;
+/* Fills *term with defaults (weight 1); `size` is sizeof(dqa_objective_term) as the caller compiled it. */
 DQA_API dqa_status dqa_objective_term_init(dqa_objective_term *term, uint64_t size);
 /* Loss of the recorded rollout, and each unweighted term [n_terms] (NULL: not wanted). */
 DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *terms, int64_t n_terms, double *loss,
@@ -490,15 +519,18 @@ DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *
 #define DQA_WRT_ACTUATION 2        /* [n_steps][n_signals], of numbers added to each actuation: a closed loop reacts */
 #define DQA_WRT_INITIAL_POSITION 3 /* [n_nodes][dims] */
 #define DQA_WRT_INITIAL_VELOCITY 4 /* [n_nodes][dims] */
-#define DQA_WRT_WATER 5            /* [dims + 9]: a uniform velocity added to the current of every step [dims], the water's
-                                      density, drag_coefficients [4], thrust_coefficients [4]; zero without water */
+#define DQA_WRT_WATER 5            /* [dims + 9]: a uniform velocity added to the current of every step [dims], the
+                                      water's density, drag_coefficients [4], thrust_coefficients [4]; zero without
+                                      water */
 #define DQA_WRT_CURRENT 6          /* [n_steps][dims]: the current of each step */
-#define DQA_WRT_CURRENT_TABLE 7    /* [n_times][dims]: velocities of dqa_simulator_set_current_table (of options.current:
-                                      one row). DQA_ERROR_STATE unless all steps were taken with that one table */
+#define DQA_WRT_CURRENT_TABLE 7    /* [n_times][dims]: velocities of dqa_simulator_set_current_table (one row, of
+                                      options.current, without a table). DQA_ERROR_STATE unless all steps of the tape
+                                      were taken with that one table */
 
 /* A cursor over a finished tape, standing after its last step. DQA_ERROR_STATE if a controller without pullback closed a
  * loop through the sensors. */
 DQA_API dqa_status dqa_adjoint_create(dqa_tape *tape, dqa_adjoint **adjoint);
+/* NULL: nothing happens. */
 DQA_API void dqa_adjoint_free(dqa_adjoint *adjoint);
 /* Adds `bar` [n_nodes][dims] to the seed of a quantity of the state after `step` steps. DQA_ERROR_STATE if the sweep
  * has passed that step. */
@@ -519,8 +551,10 @@ typedef struct dqa_gradient_check_options {
     uint64_t seed;             /* of the random direction; default 1 */
     double step;               /* largest finite-difference step relative to the quantity's scale; 0: automatic */
 } dqa_gradient_check_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_gradient_check_options) as the caller compiled it. */
 DQA_API dqa_status dqa_gradient_check_options_init(dqa_gradient_check_options *options, uint64_t size);
 
+/* What dqa_check_gradient found. */
 typedef struct dqa_gradient_check_report {
     uint32_t struct_size;
     int32_t one_sided;          /* 1 when the weights stand at the simplex's edge and differences were one-sided */
