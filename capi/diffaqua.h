@@ -358,9 +358,9 @@ DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *c
 /* Parameters theta and the map (sensors, step) -> actuation of that step, each signal in [-1, 1]. Recording a rollout
  * keeps a copy of the controller; changing it later does not change the tape. */
 
-#define DQA_CONTROLLER_SINUSOID 0
-#define DQA_CONTROLLER_MLP 1
-#define DQA_CONTROLLER_CALLBACK 2
+#define DQA_CONTROLLER_SINUSOID 0  /* dqa_controller_create_sinusoid */
+#define DQA_CONTROLLER_MLP 1  /* dqa_controller_create_mlp */
+#define DQA_CONTROLLER_CALLBACK 2  /* dqa_controller_create_callback */
 
 /* Open loop: a sin(omega t + phi) per signal; parameters theta [n_signals][3] = (a in [0, 1], omega in rad/s, phi in
  * rad); t is the time at the start of a step. Initially a = 1, omega = pi / (6 time_step), phi = 0. */
@@ -384,7 +384,9 @@ typedef struct dqa_mlp_options {
     uint64_t seed;              /* of the initial weights; default 1 */
     double scale;               /* factor on the initial weights, >= 0; default 1 */
 } dqa_mlp_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_mlp_options) as the caller compiled it. */
 DQA_API dqa_status dqa_mlp_options_init(dqa_mlp_options *options, uint64_t size);
+/* A perceptron with initial weights from the seed. */
 DQA_API dqa_status dqa_controller_create_mlp(const dqa_mlp_options *options, dqa_controller **controller);
 
 /* The caller's own controller. Writes actuation [n_signals], each in [-1, 1], of step `step` (time = step * time_step,
@@ -400,6 +402,7 @@ typedef int32_t (*dqa_control_evaluate)(int64_t step, double time, const double 
 typedef int32_t (*dqa_control_pullback)(int64_t step, double time, const double *sensors, int64_t n_sensors,
                                         const double *theta, int64_t n_parameters, const double *actuation_bar,
                                         int64_t n_signals, double *theta_bar, double *sensors_bar, void *user_data);
+/* A controller of the caller's own. */
 typedef struct dqa_callback_controller_options {
     uint32_t struct_size;
     uint32_t flags;                /* must be 0 */
@@ -410,8 +413,9 @@ typedef struct dqa_callback_controller_options {
     /* NULL: no derivatives. An open loop then still gives every gradient but DQA_WRT_CONTROL; a controller that reads
      * sensors closes a loop whose derivative is unknown, and dqa_adjoint_create refuses its tapes (DQA_ERROR_STATE). */
     dqa_control_pullback pullback;
-    void *user_data;
+    void *user_data;  /* given to both callbacks */
 } dqa_callback_controller_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_callback_controller_options) as the caller compiled it. */
 DQA_API dqa_status dqa_callback_controller_options_init(dqa_callback_controller_options *options, uint64_t size);
 /* theta [n_parameters]: initial parameters, copied (NULL with n_parameters = 0: none). The callbacks and user_data must
  * live as long as the controller and the tapes and adjoints of its rollouts; they run on the thread of the call. */
@@ -420,15 +424,17 @@ DQA_API dqa_status dqa_controller_create_callback(const dqa_callback_controller_
 /* NULL: nothing happens. Tapes keep a copy of the controller that drove them. */
 DQA_API void dqa_controller_free(dqa_controller *controller);
 
+/* What dqa_controller_get_info tells. */
 typedef struct dqa_controller_info {
     uint32_t struct_size;
     int32_t kind;           /* DQA_CONTROLLER_* */
-    int32_t n_signals;
+    int32_t n_signals;  /* length of the actuation it writes */
     int32_t n_sensors;      /* length of the sensor vector it reads; 0: none */
     int32_t has_pullback;   /* 0 or 1 */
-    int32_t padding;
-    int64_t n_parameters;
+    int32_t padding;  /* 0 */
+    int64_t n_parameters;  /* length of theta */
 } dqa_controller_info;
+/* `size` is sizeof(dqa_controller_info) as the caller compiled it. */
 DQA_API dqa_status dqa_controller_get_info(const dqa_controller *controller, dqa_controller_info *info, uint64_t size);
 /* *n receives the number of parameters. */
 DQA_API dqa_status dqa_controller_n_parameters(const dqa_controller *controller, int64_t *n);
@@ -444,6 +450,7 @@ DQA_API dqa_status dqa_controller_evaluate(const dqa_controller *controller, int
 /* Writes settings and parameters (atomically: a temporary file, then rename) and reads them back with the same bits. A
  * callback controller cannot be saved (DQA_ERROR_UNSUPPORTED); a file that is none or is damaged is DQA_ERROR_FILE. */
 DQA_API dqa_status dqa_controller_save(const dqa_controller *controller, const char *path);
+/* The controller of a file written by dqa_controller_save. */
 DQA_API dqa_status dqa_controller_load(const char *path, dqa_controller **controller);
 
 /* ------------------------------------------------------------------ tape */
