@@ -106,6 +106,10 @@ typedef struct dqa_shape_space dqa_shape_space;
 #define DQA_UP_Y 2    /* the mesh has y up: it is turned by 90 degrees about x */
 
 /* Box, meshes, interpolation. */
+#define DQA_INTERPOLATION_LINEAR 0 /* mean, eigenvalues and Euler angles are linear in the weights: as the paper */
+#define DQA_INTERPOLATION_BURES 1  /* mean linear, covariance the Bures-Wasserstein barycentre (Agueh & Carlier 2011):
+                                      the optimal transport of Gaussians; the box's frame as with LINEAR */
+
 typedef struct dqa_shape_space_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */
@@ -127,6 +131,8 @@ typedef struct dqa_shape_space_options {
     double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.4 */
     double tolerance;        /* marginal error (1-norm) at which the barycentre stops; default 1e-9 */
     dqa_cancel_token *cancel; /* NULL: none */
+    int32_t interpolation;   /* DQA_INTERPOLATION_*: of actuators between the bases */
+    int32_t automatic_fins;  /* 1: bases without any actuator also get fins where their geometry has them; default 0 */
 } dqa_shape_space_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */
@@ -148,28 +154,53 @@ DQA_API dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space *space, const c
 DQA_API dqa_status dqa_shape_space_add_density(dqa_shape_space *space, const char *name, const double *cells, int64_t n,
                                                int32_t *base);
 
-#define DQA_ACTUATOR_CAUDAL 0 /* antagonistic pair split at the plane y = 0, fibres along x */
+#define DQA_ACTUATOR_CAUDAL 0 /* antagonistic pair split at the plane y = 0, fibres along x: one signal */
+#define DQA_ACTUATOR_FINS 1   /* a left and a right fin that share 4 signals per layer: 16 with four layers */
 
-/* A muscle region as a Gaussian: the box around the half-peak ellipsoid, with semi-axes sqrt(2 ln 2 * variance). */
+#define DQA_SIDE_BOTH 0  /* caudal; or fins of which the left one is described and the right one mirrors it at y = 0 */
+#define DQA_SIDE_LEFT 1  /* the fin at y > 0 alone */
+#define DQA_SIDE_RIGHT 2 /* the fin at y < 0 alone */
+
+/* A muscle region as a Gaussian: the box around the half-peak ellipsoid, with semi-axes sqrt(2 ln 2 * variance).
+ *
+ * The category is a number of the caller's choice: actuators of the same category are interpolated between the bases,
+ * and it must have the same kind (and layers) in all of them. Any number of categories from 0 to 15 may be used; the
+ * automatic ones are 0 (caudal) and 1 (fins). The signals of a space are those of its categories in rising order: one
+ * for a caudal category, 4 * layers for fins; dqa_shape_space_signal tells which is which.
+ *
+ * The axes of a fin have fixed roles: the first points ahead, the second towards +y, the third through its thickness
+ * (variance[2] is the smallest). Layers are equal parts of the thickness, from below; every layer has four groups, equal
+ * bands side by side across the fin from back inside to ahead outside, with fibres at 45 degrees: back and outwards. Both
+ * halves contract for a positive signal. Boundaries of boxes, layers and bands are ramps one cell wide.
+ *
+ * In a space of two dimensions mean[2] and variance[2] have no meaning, euler[0] and euler[1] must be 0, and fins have
+ * one layer. */
 typedef struct dqa_actuator_options {
     uint32_t struct_size;
     uint32_t flags;      /* must be 0 */
-    int32_t category;    /* DQA_ACTUATOR_* */
-    int32_t padding;     /* must be 0 */
+    int32_t category;    /* in [0, 15]; default 0 */
+    int32_t kind;        /* DQA_ACTUATOR_*; default caudal */
     double mean[3];      /* m, in the box's frame (origin at the box's centre) */
     double variance[3];  /* m^2, > 0: eigenvalues of the covariance along the actuator's own axes */
-    double euler[3];     /* rad: Sigma = R^T diag(variance) R with R = Rx(e0) Ry(e1) Rz(e2) */
+    double euler[3];     /* rad: Sigma = R^T diag(variance) R with R = Rx(e0) Ry(e1) Rz(e2): its rows are the axes */
+    int32_t side;        /* DQA_SIDE_*; caudal: DQA_SIDE_BOTH, the default */
+    int32_t layers;      /* of fins, in [1, 4]; default 4; not used by caudal ones */
 } dqa_actuator_options;
 /* Fills *options with defaults; `size` is sizeof(dqa_actuator_options) as the caller compiled it. */
 DQA_API dqa_status dqa_actuator_options_init(dqa_actuator_options *options, uint64_t size);
-/* Gives base `base` an actuator; at most one of each category. Lengths need the cell size: set
+/* Gives base `base` an actuator; at most one of each category and side. Lengths need the cell size: set
  * options.cell_size > 0 at creation to use this function. Bases without any actuator get a caudal one placed from
- * their geometry at build. */
+ * their geometry at build: from the peduncle (the narrowest section in the rear, with a wider tail fin behind it) to the
+ * middle of the body; without a peduncle, as in eels, from 40 to 90 % of the length measured from the tail. With
+ * options.automatic_fins they also get a pair of fins where the body has some: what reaches at least two cells beyond
+ * the trunk on both sides. */
 DQA_API dqa_status dqa_shape_space_add_actuator(dqa_shape_space *space, int32_t base,
                                                 const dqa_actuator_options *options);
-/* Reads the actuator of a base (after build: also the automatic one). DQA_ERROR_STATE if it has none. */
+/* Reads the actuator of a base (after build: also an automatic one); options->struct_size is that of the _init
+ * function. side: DQA_SIDE_BOTH for caudal ones, DQA_SIDE_LEFT or DQA_SIDE_RIGHT for fins. DQA_ERROR_STATE if it has
+ * none. */
 DQA_API dqa_status dqa_shape_space_get_actuator(const dqa_shape_space *space, int32_t base, int32_t category,
-                                                dqa_actuator_options *options);
+                                                int32_t side, dqa_actuator_options *options);
 /* Freezes the space: base densities, cell size, automatic actuators, sensor axis. */
 DQA_API dqa_status dqa_shape_space_build(dqa_shape_space *space, dqa_progress progress, void *user_data);
 
@@ -188,6 +219,17 @@ typedef struct dqa_shape_space_info {
 } dqa_shape_space_info;
 /* `size` is sizeof(dqa_shape_space_info) as the caller compiled it. */
 DQA_API dqa_status dqa_shape_space_get_info(const dqa_shape_space *space, dqa_shape_space_info *info, uint64_t size);
+typedef struct dqa_signal_info {
+    uint32_t struct_size;
+    int32_t category;
+    int32_t kind;   /* DQA_ACTUATOR_* */
+    int32_t layer;  /* of fins, from 0 below; 0 for caudal */
+    int32_t group;  /* of fins, the band in [0, 4) from back inside to ahead outside; 0 for caudal */
+    int32_t padding;
+} dqa_signal_info;
+/* What signal `signal` in [0, n_signals) of a built space drives. `size` is sizeof(dqa_signal_info). */
+DQA_API dqa_status dqa_shape_space_signal(const dqa_shape_space *space, int32_t signal, dqa_signal_info *info,
+                                          uint64_t size);
 /* Name of a base, or "" when there is no such base. Valid as long as the space. */
 DQA_API const char *dqa_shape_space_base_name(const dqa_shape_space *space, int32_t base);
 /* Covered fractions of a base, shape [cells_x][cells_y][cells_z]. */
@@ -353,6 +395,37 @@ DQA_API dqa_status dqa_simulator_surface(const dqa_simulator *simulator, double 
 DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *cell_nodes, int64_t n_cell_nodes,
                                       int32_t *cell_box_index, int64_t n_cells, double *occupancy,
                                       int64_t n_occupancy);
+
+
+typedef struct dqa_actuator_info {
+    uint32_t struct_size;
+    int32_t category;
+    int32_t kind;          /* DQA_ACTUATOR_* */
+    int32_t side;          /* DQA_SIDE_* */
+    int32_t layers;        /* of fins; 1 for caudal */
+    int32_t n_signals;     /* of the category */
+    int32_t first_signal;
+    int32_t padding;
+    double mean[3];        /* m */
+    double covariance[9];  /* m^2, [3][3] */
+    double half[3];        /* m: distances of the box's faces from the mean */
+    double normal[9];      /* [3][3], a row per axis: unit normals of the faces */
+    double edge[9];        /* [3][3], a row per axis: unit vectors along the edges; the normals in a rectangular box */
+    double share;          /* sum of the weights of the bases that have the actuator */
+    double strength;       /* factor of its muscles' stiffness: fades smoothly from 1 to 0 as share goes from 5 % to 0 */
+} dqa_actuator_info;
+/* What the interpolation made of an actuator in the current design. side: DQA_SIDE_BOTH for caudal categories,
+ * DQA_SIDE_LEFT or DQA_SIDE_RIGHT for fins. DQA_ERROR_STATE where no base has it. */
+DQA_API dqa_status dqa_simulator_actuator(const dqa_simulator *simulator, int32_t category, int32_t side,
+                                          dqa_actuator_info *info, uint64_t size);
+/* The muscle fibres of the current design, one row per active cell and fibre group: index of the cell among the active
+ * ones, signal that drives it, sign (+1: contracts for a positive signal; -1: an antagonist) [n_muscles] each,
+ * direction at rest [n_muscles][dims], and stiffness [n_muscles] (Pa: muscle_stiffness times occupancy, membership in
+ * the actuator, its strength, and the group's share). Call with NULL buffers to learn the count, which *n_muscles
+ * receives. NULL: not wanted; n counts elements of each of the first three, nd and ns of the others. */
+DQA_API dqa_status dqa_simulator_muscles(const dqa_simulator *simulator, int32_t *cells, int32_t *signals,
+                                         int32_t *signs, int64_t n, double *directions, int64_t nd,
+                                         double *stiffness, int64_t ns, int64_t *n_muscles);
 
 /* ------------------------------------------------------------------ controller */
 /* Parameters theta and the map (sensors, step) -> actuation of that step, each signal in [-1, 1]. Recording a rollout

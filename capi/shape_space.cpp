@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The shape space's handle.
+#include <algorithm>
 #include <cinttypes>
 
 #include "internal.hpp"
@@ -27,6 +28,8 @@ dqa_shape_space_options default_options() {
     o.cell_size = s.cell_size;
     o.sigma = s.sigma;
     o.tolerance = s.tolerance;
+    o.interpolation = DQA_INTERPOLATION_LINEAR;
+    o.automatic_fins = s.automatic_fins;
     return o;
 }
 
@@ -55,8 +58,13 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
     require_range(o.cell_size, o.cell_size >= 0, "cell_size", "a length > 0 (m), or 0 for automatic");
     require_range(o.sigma, o.sigma >= 0.2 && o.sigma <= 16, "sigma", "a width in [0.2, 16] cells");
     require_range(o.tolerance, o.tolerance > 0, "tolerance", "a number > 0");
+    require_range(o.interpolation,
+                  o.interpolation == DQA_INTERPOLATION_LINEAR || o.interpolation == DQA_INTERPOLATION_BURES,
+                  "interpolation", "DQA_INTERPOLATION_LINEAR or DQA_INTERPOLATION_BURES");
+    require_range(o.automatic_fins, o.automatic_fins == 0 || o.automatic_fins == 1, "automatic_fins", "0 or 1");
     dqa::ShapeSettings s;
     s.dims = o.dims;
+    s.interpolation = static_cast<dqa::Interpolation>(o.interpolation), s.automatic_fins = o.automatic_fins == 1;
     s.cells = {o.cells_x, o.cells_y, cells_z};
     s.margin = o.margin, s.margin_across = o.margin_across, s.up = o.up, s.subsamples = o.subsamples;
     s.peak = static_cast<dqa::Peak>(o.peak);
@@ -68,9 +76,42 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
 dqa_actuator_options default_actuator() {
     dqa_actuator_options o{};
     o.struct_size = sizeof o;
-    o.category = DQA_ACTUATOR_CAUDAL;
+    o.kind = DQA_ACTUATOR_CAUDAL;
     for (double& v : o.variance) v = 1e-2;
+    o.side = DQA_SIDE_BOTH;
+    o.layers = dqa::kMaxLayers;
     return o;
+}
+
+void require_side(int32_t side) {
+    require_range(side, side >= DQA_SIDE_BOTH && side <= DQA_SIDE_RIGHT, "side",
+                  "DQA_SIDE_BOTH, DQA_SIDE_LEFT or DQA_SIDE_RIGHT");
+}
+
+void require_category(int32_t category) {
+    require_range(category, category >= 0 && category < dqa::kMaxCategories, "category", "a number in [0, 15]");
+}
+
+dqa::Actuator actuator_from(const dqa_actuator_options& o) {
+    require_range(o.flags, o.flags == 0, "flags", "0");
+    require_category(o.category);
+    require_range(o.kind, o.kind == DQA_ACTUATOR_CAUDAL || o.kind == DQA_ACTUATOR_FINS, "kind",
+                  "DQA_ACTUATOR_CAUDAL or DQA_ACTUATOR_FINS");
+    require_side(o.side);
+    require_range(o.side, o.kind == DQA_ACTUATOR_FINS || o.side == DQA_SIDE_BOTH, "side",
+                  "DQA_SIDE_BOTH for a caudal actuator");
+    require_range(o.layers, o.layers >= 1 && o.layers <= dqa::kMaxLayers, "layers", "a number in [1, 4]");
+    dqa::Actuator a;
+    for (std::size_t k = 0; k < 3; ++k) {
+        require_range(o.mean[k], true, "mean", "finite lengths (m)");
+        require_range(o.variance[k], o.variance[k] > 0, "variance", "numbers > 0 (m^2)");
+        require_range(o.euler[k], true, "euler", "finite angles (rad)");
+        a.mean[k] = o.mean[k], a.variance[k] = o.variance[k], a.euler[k] = o.euler[k];
+    }
+    a.category = o.category, a.layers = o.layers;
+    a.kind = static_cast<dqa::ActuatorKind>(o.kind);
+    a.half = static_cast<dqa::ActuatorHalf>(o.side);
+    return a;
 }
 
 void require_built(const dqa_shape_space* space) {
@@ -175,42 +216,31 @@ dqa_status dqa_actuator_options_init(dqa_actuator_options* options, uint64_t siz
 dqa_status dqa_shape_space_add_actuator(dqa_shape_space* space, int32_t base, const dqa_actuator_options* options) {
     return guard([&] {
         require(space, "space"), require(options, "options");
-        const auto o = read_options(options, default_actuator(), "options");
-        require_range(o.flags, o.flags == 0, "flags", "0");
-        require_range(o.padding, o.padding == 0, "padding", "0");
-        require_range(o.category, o.category == DQA_ACTUATOR_CAUDAL, "category", "DQA_ACTUATOR_CAUDAL (0)");
-        dqa::Actuator a;
-        for (std::size_t k = 0; k < 3; ++k) {
-            require_range(o.mean[k], true, "mean", "finite lengths (m)");
-            require_range(o.variance[k], o.variance[k] > 0, "variance", "numbers > 0 (m^2)");
-            require_range(o.euler[k], true, "euler", "finite angles (rad)");
-            a.mean[k] = o.mean[k], a.variance[k] = o.variance[k], a.euler[k] = o.euler[k];
-        }
-        a.category = static_cast<dqa::ActuatorCategory>(o.category);
-        space->core->add_actuator(base, a);
+        space->core->add_actuator(base, actuator_from(read_options(options, default_actuator(), "options")));
     });
 }
 
-dqa_status dqa_shape_space_get_actuator(const dqa_shape_space* space, int32_t base, int32_t category,
+dqa_status dqa_shape_space_get_actuator(const dqa_shape_space* space, int32_t base, int32_t category, int32_t side,
                                         dqa_actuator_options* options) {
     return guard([&] {
         require(space, "space"), require(options, "options");
         const dqa::BaseShape& b = base_of(space, base);
-        require_range(category, category == DQA_ACTUATOR_CAUDAL, "category", "DQA_ACTUATOR_CAUDAL (0)");
+        require_category(category), require_side(side);
         for (const dqa::Actuator& a : b.actuators) {
-            if (static_cast<int32_t>(a.category) != category) continue;
+            if (a.category != category || static_cast<int32_t>(a.half) != side) continue;
             // The caller's struct_size says how much of the struct there is room for.
             auto o = read_options(options, default_actuator(), "options");
             const uint32_t size = options->struct_size;
-            o.category = category;
+            o.category = category, o.side = side, o.layers = a.layers;
+            o.kind = static_cast<int32_t>(a.kind);
             for (std::size_t k = 0; k < 3; ++k)
                 o.mean[k] = a.mean[k], o.variance[k] = a.variance[k], o.euler[k] = a.euler[k];
             o.struct_size = size;
             std::memcpy(options, &o, size < sizeof o ? size : sizeof o);
             return;
         }
-        fail(Status::ERROR_STATE, "base %d has no actuator of category %d (automatic ones appear at build)", base,
-             category);
+        fail(Status::ERROR_STATE, "base %d has no actuator of category %d and side %d (automatic ones appear at build)",
+             base, category, side);
     });
 }
 
@@ -233,10 +263,27 @@ dqa_status dqa_shape_space_get_info(const dqa_shape_space* space, dqa_shape_spac
         i.dims = core.box().dims;
         i.cells_x = core.box().cells[0], i.cells_y = core.box().cells[1], i.cells_z = core.box().cells[2];
         i.n_bases = static_cast<int32_t>(core.bases().size());
-        i.n_signals = static_cast<int32_t>(core.categories().size());
+        i.n_signals = core.n_signals();
         i.is_built = core.built() ? 1 : 0;
         i.n_cells = core.box().n_cells();
         i.cell_size = core.box().dx;
+        write_struct(info, size, i, "info");
+    });
+}
+
+dqa_status dqa_shape_space_signal(const dqa_shape_space* space, int32_t signal, dqa_signal_info* info, uint64_t size) {
+    return guard([&] {
+        require_built(space);
+        const dqa::ShapeSpace& core = *space->core;
+        if (signal < 0 || signal >= core.n_signals())
+            fail(Status::ERROR_ARGUMENT, "signal is %d, expected an index in [0, %d)", signal, core.n_signals());
+        dqa_signal_info i{};
+        for (const dqa::ActuatorCategory& c : core.categories()) {
+            const int32_t within = signal - c.first_signal;
+            if (within < 0 || within >= c.n_signals) continue;
+            i.category = c.number, i.kind = static_cast<int32_t>(c.kind);
+            i.layer = within / dqa::kBands, i.group = within % dqa::kBands;
+        }
         write_struct(info, size, i, "info");
     });
 }

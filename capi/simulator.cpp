@@ -244,7 +244,7 @@ dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_
         const int dims = simulator->space->box().dims;
         i.dims = dims;
         i.n_bases = static_cast<int32_t>(simulator->space->bases().size());
-        i.n_signals = static_cast<int32_t>(simulator->space->categories().size());
+        i.n_signals = simulator->space->n_signals();
         i.n_sensors = 5 * dims;
         i.cell_size = simulator->space->box().dx;
         if (simulator->simulation) {
@@ -407,6 +407,55 @@ dqa_status dqa_simulator_mesh(const dqa_simulator* simulator, int32_t* cell_node
             if (cell_box_index) cell_box_index[c] = d.set().cells[c];
             if (occupancy) occupancy[c] = d.occupancy()[c];
         }
+    });
+}
+
+dqa_status dqa_simulator_actuator(const dqa_simulator* simulator, int32_t category, int32_t side,
+                                  dqa_actuator_info* info, uint64_t size) {
+    return guard([&] {
+        const dqa::Design& d = design_of(simulator).design();
+        const dqa::ShapeSpace& space = d.space();
+        for (std::size_t s = 0; s < space.slots().size(); ++s) {
+            const dqa::ActuatorCategory& c = space.categories()[static_cast<std::size_t>(space.slots()[s].category)];
+            if (c.number != category || static_cast<int32_t>(space.slots()[s].half) != side) continue;
+            const dqa::ActuatorPoint& a = d.point().actuators[s];
+            dqa_actuator_info i{};
+            i.category = category, i.kind = static_cast<int32_t>(c.kind), i.side = side;
+            i.layers = c.layers, i.n_signals = c.n_signals, i.first_signal = c.first_signal;
+            for (std::size_t k = 0; k < 3; ++k) {
+                i.mean[k] = a.mean[k], i.half[k] = a.half[k];
+                for (std::size_t j = 0; j < 3; ++j) {
+                    i.covariance[3 * k + j] = a.covariance[3 * k + j];
+                    i.normal[3 * k + j] = a.normal[k][j], i.edge[3 * k + j] = a.edge[k][j];
+                }
+            }
+            i.share = a.share, i.strength = a.strength;
+            write_struct(info, size, i, "info");
+            return;
+        }
+        fail(Status::ERROR_STATE, "no base has an actuator of category %d and side %d", category, side);
+    });
+}
+
+dqa_status dqa_simulator_muscles(const dqa_simulator* simulator, int32_t* cells, int32_t* signals, int32_t* signs,
+                                 int64_t n, double* directions, int64_t nd, double* stiffness, int64_t ns,
+                                 int64_t* n_muscles) {
+    return guard([&] {
+        const dqa::Design& d = design_of(simulator).design();
+        const auto& muscles = d.body().muscles();
+        const int dims = d.set().box.dims;
+        const int64_t rows = static_cast<int64_t>(muscles.size());
+        if (cells || signals || signs) require_count(n, rows, "n", "cells, signals, signs [n_muscles]");
+        if (directions) require_count(nd, dims * rows, "nd", "directions [n_muscles][dims]");
+        if (stiffness) require_count(ns, rows, "ns", "stiffness [n_muscles]");
+        for (std::size_t e = 0; e < muscles.size(); ++e) {
+            if (cells) cells[e] = muscles[e].cell;
+            if (signals) signals[e] = muscles[e].signal;
+            if (signs) signs[e] = muscles[e].sign > 0 ? 1 : -1;
+            if (directions) points_out(muscles[e].direction.data(), 1, dims, directions + dims * static_cast<int64_t>(e));
+            if (stiffness) stiffness[e] = muscles[e].weight;
+        }
+        if (n_muscles) *n_muscles = rows;
     });
 }
 

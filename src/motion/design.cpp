@@ -11,8 +11,6 @@
 namespace dqa {
 namespace {
 
-constexpr double kNegligibleMuscle = 1e-12;  // membership below which a cell carries no fibre
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -56,8 +54,8 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
         for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)])
             mass_[static_cast<std::size_t>(n)] += node_mass * g;
     }
-    make_muscles();
-    body_ = std::make_unique<Body>(set_, elasticity, muscles_, scene.contraction, scene.instructions);
+    muscles_ = Muscles(*space_, point_, set_, occupancy_, scene.muscle_stiffness);
+    body_ = std::make_unique<Body>(set_, elasticity, muscles_.entries(), scene.contraction, scene.instructions);
     if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
@@ -68,34 +66,6 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
     for (const Vec3& x : surface_.vertices) {
         const MaterialPoint p = locate(set_, x, 1, true);
         embedding_.push_back({p.node, p.weight});
-    }
-}
-
-void Design::make_muscles() {
-    const Box& box = space_->box();
-    for (std::size_t k = 0; k < point_.actuators.size(); ++k) {
-        const ActuatorPoint& actuator = point_.actuators[k];
-        if (!(actuator.strength > 0)) continue;
-        const ActuatorRegion region(actuator, box.dx);
-        for (int a = 0; a < set_.n_cells(); ++a) {
-            const Vec3 x = box.cell_centre(set_.cells[static_cast<std::size_t>(a)]);
-            const double member = region.membership(x);
-            if (member < kNegligibleMuscle) continue;
-            // An antagonistic pair split at the mid-plane: left (y > 0) contracts for a positive signal.
-            for (const double sign : {1.0, -1.0}) {
-                const double side = smooth_step(sign * x[1] / box.dx + 0.5);
-                if (side <= 0.0) continue;
-                MuscleEntry m;
-                m.cell = a;
-                m.signal = static_cast<int>(k);
-                m.sign = sign;
-                m.direction = {1.0, 0.0, 0.0};
-                m.weight = scene_.muscle_stiffness * occupancy_[static_cast<std::size_t>(a)] * member * side *
-                           actuator.strength;
-                muscles_.push_back(m);
-                origins_.push_back({a, static_cast<int>(k), side, member});
-            }
-        }
     }
 }
 
@@ -201,7 +171,7 @@ int Design::n_body_cells() const {
 
 int Design::n_muscle_cells() const {
     std::vector<int> cells;
-    for (const MuscleEntry& m : muscles_) cells.push_back(m.cell);
+    for (const MuscleEntry& m : muscles_.entries()) cells.push_back(m.cell);
     std::sort(cells.begin(), cells.end());
     return static_cast<int>(std::unique(cells.begin(), cells.end()) - cells.begin());
 }
@@ -213,7 +183,8 @@ DesignBar Design::zero_bar() const {
     bar.occupancy.assign(occupancy_.size(), 0.0);
     bar.mass.assign(mass_.size(), 0.0);
     bar.spine.assign(mass_.size(), 0.0);
-    bar.muscle_weight.assign(muscles_.size(), 0.0);
+    bar.muscle_weight.assign(muscles_.entries().size(), 0.0);
+    if (muscles_.fibres_turn()) bar.muscle_direction.assign(muscles_.entries().size(), Vec3{});
     return bar;
 }
 
@@ -228,22 +199,9 @@ std::vector<double> Design::weights_bar(const DesignBar& bar, const std::functio
             occupancy_bar[a] += node_mass * bar.mass[n] + spine_hat_[n] / 8.0 * bar.spine[n];
         }
     }
-    std::vector<ActuatorPoint> actuators_bar(point_.actuators.size());
-    for (std::size_t k = 0; k < point_.actuators.size(); ++k) {
-        if (!(point_.actuators[k].strength > 0)) continue;
-        const ActuatorRegion region(point_.actuators[k], box.dx);
-        for (std::size_t e = 0; e < muscles_.size(); ++e) {
-            const MuscleOrigin& o = origins_[e];
-            if (o.category != static_cast<int>(k)) continue;
-            const std::size_t a = static_cast<std::size_t>(o.cell);
-            const double scale = scene_.muscle_stiffness * o.side * bar.muscle_weight[e];
-            const double strength = point_.actuators[k].strength;
-            occupancy_bar[a] += scale * o.membership * strength;
-            actuators_bar[k].strength += scale * o.membership * occupancy_[a];
-            region.membership_pullback(box.cell_centre(set_.cells[a]), scale * occupancy_[a] * strength,
-                                       actuators_bar[k]);
-        }
-    }
+    std::vector<ActuatorBar> actuators_bar(point_.actuators.size());
+    muscles_.pullback(*space_, point_, set_, occupancy_, bar.muscle_weight, bar.muscle_direction, occupancy_bar,
+                      actuators_bar);
     std::vector<double> p_hat_bar(point_.p_hat.size(), 0.0);
     for (std::size_t a = 0; a < occupancy_.size(); ++a) {
         const std::size_t c = static_cast<std::size_t>(set_.cells[a]);

@@ -10,6 +10,7 @@
 #include "body/body.hpp"
 #include "grid/active_set.hpp"
 #include "linalg/packed_factor.hpp"
+#include "motion/muscles.hpp"
 #include "motion/scene.hpp"
 #include "motion/sensors.hpp"
 #include "shape/isosurface.hpp"
@@ -20,12 +21,13 @@ namespace dqa {
 
 // Cotangents of what a design provides; zero-initialised by Design::zero_bar.
 struct DesignBar {
-    std::vector<double> mu, lambda;     // [n_cells] Lame's parameters
-    std::vector<double> mass;           // [n_nodes]
-    std::vector<double> muscle_weight;  // [n_muscles]
-    std::vector<double> occupancy;      // [n_cells] through the water's faces
-    std::vector<double> spine;          // [n_nodes]
-    double head_x = 0.0, tail_x = 0.0;  // sensors
+    std::vector<double> mu, lambda;      // [n_cells] Lame's parameters
+    std::vector<double> mass;            // [n_nodes]
+    std::vector<double> muscle_weight;   // [n_muscles]
+    std::vector<Vec3> muscle_direction;  // [n_muscles], or empty where fibres do not turn with the weights
+    std::vector<double> occupancy;       // [n_cells] through the water's faces
+    std::vector<double> spine;           // [n_nodes]
+    double head_x = 0.0, tail_x = 0.0;   // sensors
     WaterParameterBar water;
 };
 
@@ -39,7 +41,7 @@ public:
     const ShapePoint& point() const { return point_; }
     const ActiveSet& set() const { return set_; }
     int n_nodes() const { return set_.n_nodes(); }
-    int n_signals() const { return static_cast<int>(space_->categories().size()); }
+    int n_signals() const { return space_->n_signals(); }
     const std::vector<double>& rest() const { return rest_; }            // [n_nodes][3] m
     const std::vector<double>& occupancy() const { return occupancy_; }  // [n_cells]
     const std::vector<double>& mass() const { return mass_; }            // [n_nodes] kg
@@ -54,6 +56,7 @@ public:
     // Vertices of the surface carried by nodal positions q.
     std::vector<Vec3> carry_surface(const double* q) const;
     double barycenter_seconds() const { return barycenter_seconds_; }
+    const Muscles& muscles() const { return muscles_; }
     int n_body_cells() const;    // density above 1/2
     int n_muscle_cells() const;  // cells with at least one fibre
 
@@ -62,7 +65,6 @@ public:
     std::vector<double> weights_bar(const DesignBar& bar, const std::function<void(int, double)>& monitor) const;
 
 private:
-    void make_muscles();
     void make_factor();
     void make_spine();
     void make_constraints();
@@ -73,12 +75,7 @@ private:
     Occupancy occupancy_law_;
     ActiveSet set_;
     std::vector<double> rest_, occupancy_, mass_, spine_, spine_hat_, diagonal_;
-    struct MuscleOrigin {
-        int cell, category;
-        double side, membership;
-    };
-    std::vector<MuscleEntry> muscles_;
-    std::vector<MuscleOrigin> origins_;
+    Muscles muscles_;
     std::unique_ptr<Body> body_;
     std::unique_ptr<Water> water_;
     std::unique_ptr<PackedFactor> factor_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "body/fibre_turn.hpp"
 #include "grid/error.hpp"
 #include "grid/log.hpp"
 #include "linalg/lbfgs.hpp"
@@ -417,6 +418,9 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     design_->body().parameter_pullback(
         body_, q_new, lambda_.data(), threads_,
         {bar.mu.data(), bar.lambda.data(), bar.muscle_weight.data(), out.signals.data()});
+    if (!bar.muscle_direction.empty())
+        add_direction_bar(design_->set(), design_->body().muscles(), scene_.contraction, q_new, lambda_.data(),
+                          input.signals, bar.muscle_direction);
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
         water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, base_bar.data(),

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "grid/error.hpp"
+#include "shape/actuator_placement.hpp"
 #include "shape/voxelize.hpp"
 
 namespace dqa {
@@ -24,6 +25,11 @@ double line_value(const Box& box, const double* cells, int i, double y, double z
             value += (a ? fy : 1 - fy) * (b ? fz : 1 - fz) * cells[box.cell(i, j + a, k + b)];
         }
     return value;
+}
+
+// Whether the frames of two halves of fins differ, after mirroring one if they are on different sides.
+bool turned(const Actuator& a, const Actuator& b) {
+    return (a.half == b.half ? a : mirrored(a)).euler != b.euler;
 }
 
 }  // namespace
@@ -85,11 +91,67 @@ void ShapeSpace::add_actuator(int base, const Actuator& actuator) {
     if (!(settings_.cell_size > 0))
         fail(Status::ERROR_STATE,
              "add_actuator: lengths in metres need a known cell size; set options.cell_size > 0 at creation");
-    for (const Actuator& a : bases_[static_cast<std::size_t>(base)].actuators)
-        if (a.category == actuator.category)
-            fail(Status::ERROR_STATE, "base %d already has an actuator of category %d", base,
-                 static_cast<int>(actuator.category));
-    bases_[static_cast<std::size_t>(base)].actuators.push_back(actuator);
+    const bool fins = actuator.kind == ActuatorKind::fins;
+    std::vector<Actuator> added{actuator};
+    if (settings_.dims == 2) {
+        // A plane has no heights and no thickness.
+        if (actuator.euler[0] != 0.0 || actuator.euler[1] != 0.0)
+            fail(Status::ERROR_ARGUMENT, "euler is (%g, %g, %g), expected (0, 0, angle): the space has dims = 2",
+                 actuator.euler[0], actuator.euler[1], actuator.euler[2]);
+        if (fins && actuator.layers != 1)
+            fail(Status::ERROR_ARGUMENT, "layers is %d, expected 1: the space has dims = 2", actuator.layers);
+        added[0].mean[2] = 0.0, added[0].variance[2] = box_.dx * box_.dx / kTwoLn2;
+    } else if (fins && actuator.variance[2] > std::min(actuator.variance[0], actuator.variance[1])) {
+        fail(Status::ERROR_ARGUMENT,
+             "variance[2] is %g, expected the smallest of the three (%g, %g): a fin's third axis goes through its "
+             "thickness (turn its frame with euler)",
+             actuator.variance[2], actuator.variance[0], actuator.variance[1]);
+    }
+    if (fins && actuator.half == ActuatorHalf::whole) {
+        added[0].half = ActuatorHalf::left;
+        added.push_back(mirrored(added[0]));
+    }
+    for (const Actuator& a : added) check_actuator(base, a);
+    auto& own = bases_[static_cast<std::size_t>(base)].actuators;
+    own.insert(own.end(), added.begin(), added.end());
+}
+
+// A category means the same in all bases, and no base has one twice.
+void ShapeSpace::check_actuator(int base, const Actuator& actuator) const {
+    const int number = actuator.category;
+    for (std::size_t i = 0; i < bases_.size(); ++i)
+        for (const Actuator& a : bases_[i].actuators) {
+            if (a.category != number) continue;
+            if (a.kind != actuator.kind)
+                fail(Status::ERROR_ARGUMENT, "kind is %d, expected %d, which actuators of category %d have in base %zu",
+                     static_cast<int>(actuator.kind), static_cast<int>(a.kind), number, i);
+            if (a.kind == ActuatorKind::fins && a.layers != actuator.layers)
+                fail(Status::ERROR_ARGUMENT,
+                     "layers is %d, expected %d, which actuators of category %d have in base %zu", actuator.layers,
+                     a.layers, number, i);
+            if (static_cast<int>(i) == base && a.half == actuator.half)
+                fail(Status::ERROR_STATE, "base %d already has an actuator of category %d%s", base, number,
+                     a.half == ActuatorHalf::left    ? " in its left half"
+                     : a.half == ActuatorHalf::right ? " in its right half"
+                                                     : "");
+        }
+}
+
+// What a base that names no actuator gets.
+void ShapeSpace::place_actuators(int base) {
+    BaseShape& b = bases_[static_cast<std::size_t>(base)];
+    std::vector<Actuator> placed{place_caudal(box_, b.fractions)};
+    auto fins = settings_.automatic_fins ? place_fins(box_, b.fractions) : std::nullopt;
+    if (fins) {
+        for (const BaseShape& other : bases_)
+            for (const Actuator& a : other.actuators)
+                if (a.category == fins->category) fins->layers = a.layers;  // as someone has said
+        placed.push_back(*fins), placed.push_back(mirrored(*fins));
+    }
+    for (const Actuator& a : placed) {
+        check_actuator(base, a);
+        b.actuators.push_back(a);
+    }
 }
 
 void ShapeSpace::build(const std::function<void(int, int)>& progress) {
@@ -108,7 +170,7 @@ void ShapeSpace::build(const std::function<void(int, int)>& progress) {
     try {
         for (int i = 0; i < total; ++i) {
             BaseShape& b = bases_[static_cast<std::size_t>(i)];
-            if (b.actuators.empty()) b.actuators.push_back(place_caudal(box_, b.fractions));
+            if (b.actuators.empty()) place_actuators(i);
             if (progress) progress(i + 1, total);
         }
         freeze();
@@ -121,20 +183,40 @@ void ShapeSpace::build(const std::function<void(int, int)>& progress) {
 
 void ShapeSpace::freeze() {
     densities_.clear();
-    categories_.clear();
     for (BaseShape& b : bases_) {
         double sum = 0.0;
         for (const double f : b.fractions) sum += f;
         b.density.resize(b.fractions.size());
         for (std::size_t c = 0; c < b.fractions.size(); ++c) b.density[c] = b.fractions[c] / sum;
         densities_.push_back(b.density);
-        for (const Actuator& a : b.actuators)
-            if (std::find(categories_.begin(), categories_.end(), a.category) == categories_.end())
-                categories_.push_back(a.category);
     }
-    std::sort(categories_.begin(), categories_.end());
+    list_actuators();
     choose_axis();
     built_ = true;
+}
+
+void ShapeSpace::list_actuators() {
+    categories_.clear(), slots_.clear();
+    fibres_turn_ = false;
+    int signals = 0;
+    for (int number = 0; number < kMaxCategories; ++number) {
+        const Actuator* any = nullptr;
+        bool has[3] = {false, false, false};
+        for (const BaseShape& b : bases_)
+            for (const Actuator& a : b.actuators) {
+                if (a.category != number) continue;
+                // Fibres of fins lie in the fin's plane, which turns where the bases' frames differ.
+                fibres_turn_ = fibres_turn_ || (any && a.kind == ActuatorKind::fins && turned(a, *any));
+                has[static_cast<int>(a.half)] = true, any = &a;
+            }
+        if (!any) continue;
+        ActuatorCategory c{number, any->kind, 1, signals, 1};
+        if (c.kind == ActuatorKind::fins) c.layers = any->layers, c.n_signals = kBands * c.layers;
+        signals += c.n_signals;
+        for (const auto half : {ActuatorHalf::whole, ActuatorHalf::left, ActuatorHalf::right})
+            if (has[static_cast<int>(half)]) slots_.push_back({static_cast<int>(categories_.size()), half});
+        categories_.push_back(c);
+    }
 }
 
 // The x axis where it runs through every base; else the nearest parallel line that does best, fixed for the space.
@@ -164,11 +246,12 @@ void ShapeSpace::choose_axis() {
         }
 }
 
-std::vector<const Actuator*> ShapeSpace::actuators_of(ActuatorCategory category) const {
+std::vector<const Actuator*> ShapeSpace::actuators_of(const ActuatorSlot& slot) const {
+    const int number = categories_[static_cast<std::size_t>(slot.category)].number;
     std::vector<const Actuator*> out(bases_.size(), nullptr);
     for (std::size_t i = 0; i < bases_.size(); ++i)
         for (const Actuator& a : bases_[i].actuators)
-            if (a.category == category) out[i] = &a;
+            if (a.category == number && a.half == slot.half) out[i] = &a;
     return out;
 }
 
@@ -205,19 +288,20 @@ ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double toler
     point.peak = peak_of(point.barycenter.p, settings_.peak);
     point.p_hat = point.barycenter.p;
     for (double& v : point.p_hat) v /= point.peak;
-    for (const ActuatorCategory c : categories_)
-        point.actuators.push_back(interpolate_actuator(actuators_of(c), weights));
+    for (const ActuatorSlot& slot : slots_)
+        point.actuators.push_back(interpolate_actuator(actuators_of(slot), weights, settings_.interpolation));
     return point;
 }
 
 std::vector<double> ShapeSpace::pullback(const ShapePoint& point, const double* p_hat_bar,
-                                         const std::vector<ActuatorPoint>& actuators_bar, double tolerance, int threads,
+                                         const std::vector<ActuatorBar>& actuators_bar, double tolerance, int threads,
                                          const std::function<void(int, double)>& monitor) const {
     const BarycenterSettings s = barycenter_settings(tolerance, threads, monitor);
     const std::vector<double> p_bar = normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
     std::vector<double> bar = barycenter_pullback(kernel_, densities_, point.barycenter, p_bar.data(), s);
     for (std::size_t k = 0; k < actuators_bar.size(); ++k)
-        interpolate_actuator_pullback(actuators_of(categories_[k]), point.actuators[k], actuators_bar[k], bar);
+        interpolate_actuator_pullback(actuators_of(slots_[k]), point.actuators[k], settings_.interpolation,
+                                      actuators_bar[k], bar);
     double mean = 0.0;
     for (const double b : bar) mean += b / static_cast<double>(bar.size());
     for (double& b : bar) b -= mean;

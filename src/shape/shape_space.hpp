@@ -31,6 +31,8 @@ struct ShapeSettings {
     double cell_size = 0.0;    // m; 0: from body_length
     double sigma = 0.4;        // cells
     double tolerance = 1e-9;
+    Interpolation interpolation = Interpolation::linear;  // of actuators
+    bool automatic_fins = false;
 };
 
 struct BaseShape {
@@ -38,7 +40,22 @@ struct BaseShape {
     std::vector<double> fractions;  // covered fraction of each cell
     std::vector<double> density;    // fractions / sum
     double length_in_cells = 0.0;
-    std::vector<Actuator> actuators;
+    std::vector<Actuator> actuators;  // fins: one for each half
+};
+
+// What the actuators of one number are, over all bases, and where their signals stand.
+struct ActuatorCategory {
+    int number = 0;
+    ActuatorKind kind = ActuatorKind::caudal;
+    int layers = 1;  // of fins
+    int first_signal = 0, n_signals = 1;
+    bool operator==(const ActuatorCategory&) const = default;
+};
+// A box of muscle that interpolates by itself: a caudal actuator, or one half of a pair of fins.
+struct ActuatorSlot {
+    int category = 0;  // index into categories()
+    ActuatorHalf half = ActuatorHalf::whole;
+    bool operator==(const ActuatorSlot&) const = default;
 };
 
 // A design's geometry.
@@ -46,7 +63,7 @@ struct ShapePoint {
     Barycenter barycenter;
     double peak = 0.0;
     std::vector<double> p_hat;             // [n_cells]
-    std::vector<ActuatorPoint> actuators;  // one per category of the space
+    std::vector<ActuatorPoint> actuators;  // one per slot of the space
 };
 
 class ShapeSpace {
@@ -55,6 +72,7 @@ public:
 
     int add_mesh(const std::string& name, const TriangleMesh& mesh);
     int add_fractions(const std::string& name, const double* cells);
+    // Of fins: half `whole` gives both halves, the left one as described and the right one as its mirror image.
     void add_actuator(int base, const Actuator& actuator);
     // progress(done, total) may throw to cancel; the space is then still unbuilt.
     void build(const std::function<void(int, int)>& progress);
@@ -63,7 +81,14 @@ public:
     const Box& box() const { return box_; }
     const ShapeSettings& settings() const { return settings_; }
     const std::vector<BaseShape>& bases() const { return bases_; }
+    // By number; their signals follow one another in this order.
     const std::vector<ActuatorCategory>& categories() const { return categories_; }
+    const std::vector<ActuatorSlot>& slots() const { return slots_; }
+    int n_signals() const {
+        return categories_.empty() ? 0 : categories_.back().first_signal + categories_.back().n_signals;
+    }
+    // Whether the directions of fibres depend on the weights.
+    bool fibres_turn() const { return fibres_turn_; }
     // Straight line parallel to x that runs through every base: where sensors sit (m).
     double axis_y() const { return axis_y_; }
     double axis_z() const { return axis_z_; }
@@ -71,9 +96,9 @@ public:
     // tolerance <= 0: that of the settings. threads <= 0: likewise. monitor(iteration, error) may throw to cancel.
     ShapePoint evaluate(const std::vector<double>& weights, double tolerance, int threads,
                         const std::function<void(int, double)>& monitor) const;
-    // Mean-free weights_bar from cotangents of p_hat [n_cells] and of the actuators (as from evaluate; may be empty).
+    // Mean-free weights_bar from cotangents of p_hat [n_cells] and of the actuators [n_slots] (may be empty).
     std::vector<double> pullback(const ShapePoint& point, const double* p_hat_bar,
-                                 const std::vector<ActuatorPoint>& actuators_bar, double tolerance, int threads,
+                                 const std::vector<ActuatorBar>& actuators_bar, double tolerance, int threads,
                                  const std::function<void(int, double)>& monitor) const;
 
     void save(const std::string& path) const;
@@ -86,7 +111,10 @@ private:
     void require_open(const char* what) const;
     void freeze();  // everything that follows from bases and cell size
     void choose_axis();
-    std::vector<const Actuator*> actuators_of(ActuatorCategory category) const;
+    void list_actuators();
+    void place_actuators(int base);
+    void check_actuator(int base, const Actuator& actuator) const;
+    std::vector<const Actuator*> actuators_of(const ActuatorSlot& slot) const;
     BarycenterSettings barycenter_settings(double tolerance, int threads,
                                            const std::function<void(int, double)>& monitor) const;
 
@@ -96,6 +124,8 @@ private:
     std::vector<BaseShape> bases_;
     std::vector<std::vector<double>> densities_;
     std::vector<ActuatorCategory> categories_;
+    std::vector<ActuatorSlot> slots_;
+    bool fibres_turn_ = false;
     double axis_y_ = 0.0, axis_z_ = 0.0;
     bool built_ = false;
 };

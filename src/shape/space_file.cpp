@@ -13,7 +13,7 @@ namespace dqa {
 namespace {
 
 constexpr char kMagic[8] = {'D', 'Q', 'A', 'S', 'P', 'A', 'C', 'E'};
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 struct Writer {
     std::string bytes;
@@ -72,7 +72,8 @@ void ShapeSpace::save(const std::string& path) const {
     w.put(static_cast<std::int32_t>(settings_.dims));
     for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
     for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
-                        static_cast<int>(settings_.peak), settings_.max_iterations})
+                        static_cast<int>(settings_.peak), settings_.max_iterations,
+                        static_cast<int>(settings_.interpolation), static_cast<int>(settings_.automatic_fins)})
         w.put(static_cast<std::int32_t>(v));
     for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
         w.put(v);
@@ -84,7 +85,8 @@ void ShapeSpace::save(const std::string& path) const {
         w.doubles(b.fractions.data(), b.fractions.size());
         w.put(static_cast<std::uint32_t>(b.actuators.size()));
         for (const Actuator& a : b.actuators) {
-            w.put(static_cast<std::int32_t>(a.category));
+            for (const int v : {a.category, static_cast<int>(a.kind), static_cast<int>(a.half), a.layers})
+                w.put(static_cast<std::int32_t>(v));
             w.doubles(a.mean.data(), 3), w.doubles(a.variance.data(), 3), w.doubles(a.euler.data(), 3);
         }
     }
@@ -115,6 +117,8 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     s.subsamples = r.integer("subsamples", 1, 1024);
     s.peak = static_cast<Peak>(r.integer("peak", 0, static_cast<int>(Peak::paper)));
     s.max_iterations = r.integer("max_iterations", 1, std::numeric_limits<int>::max());
+    s.interpolation = static_cast<Interpolation>(r.integer("interpolation", 0, static_cast<int>(Interpolation::bures)));
+    s.automatic_fins = r.integer("automatic_fins", 0, 1) != 0;
     s.body_length = r.positive("body_length");
     s.cell_size = r.get<double>();
     r.expect(s.cell_size >= 0 && std::isfinite(s.cell_size), "cell_size", s.cell_size);
@@ -137,21 +141,32 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
         double sum = 0.0;
         for (const double f : b.fractions) r.expect(f >= 0 && f <= 1, "a covered fraction", f), sum += f;
         r.expect(sum > 0, "the sum of a base's fractions", sum);
+        std::vector<Actuator> given;
         const std::uint32_t actuators = r.get<std::uint32_t>();
         for (std::uint32_t k = 0; k < actuators; ++k) {
             Actuator a;
-            const int last = static_cast<int>(ActuatorCategory::caudal);
-            a.category = static_cast<ActuatorCategory>(r.integer("an actuator's category", 0, last));
+            a.category = r.integer("an actuator's category", 0, kMaxCategories - 1);
+            a.kind =
+                static_cast<ActuatorKind>(r.integer("an actuator's kind", 0, static_cast<int>(ActuatorKind::fins)));
+            const bool fins = a.kind == ActuatorKind::fins;
+            a.half = static_cast<ActuatorHalf>(r.integer("an actuator's half", fins ? 1 : 0, fins ? 2 : 0));
+            a.layers = r.integer("an actuator's layers", 1, kMaxLayers);
             r.doubles(a.mean.data(), 3);
             for (double& v : a.variance) v = r.positive("an actuator's variance");
             r.doubles(a.euler.data(), 3);
             for (const double v : a.mean) r.expect(std::isfinite(v), "an actuator's mean", v);
             for (const double v : a.euler) r.expect(std::isfinite(v), "an actuator's angle", v);
-            for (const Actuator& other : b.actuators)
-                r.expect(other.category != a.category, "a repeated actuator's category", static_cast<int>(a.category));
-            b.actuators.push_back(a);
+            given.push_back(a);
         }
         space->bases_.push_back(std::move(b));
+        for (const Actuator& a : given) {
+            try {
+                space->check_actuator(static_cast<int>(i), a);
+            } catch (const Error& e) {
+                fail(Status::ERROR_FILE, "'%s': %s", path.c_str(), e.what());
+            }
+            space->bases_.back().actuators.push_back(a);
+        }
     }
     if (r.at != bytes.size() - sizeof stored)
         fail(Status::ERROR_FILE, "'%s' holds %zu bytes more than its bases need", path.c_str(),

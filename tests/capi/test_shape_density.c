@@ -138,8 +138,8 @@ static void file_keeps_every_bit(void** state) {
         assert_memory_equal(density, density_loaded, N_CELLS * sizeof *density);
         ok(dqa_actuator_options_init(&actuator, sizeof actuator));
         ok(dqa_actuator_options_init(&actuator_loaded, sizeof actuator_loaded));
-        ok(dqa_shape_space_get_actuator(space, base, DQA_ACTUATOR_CAUDAL, &actuator));
-        ok(dqa_shape_space_get_actuator(loaded, base, DQA_ACTUATOR_CAUDAL, &actuator_loaded));
+        ok(dqa_shape_space_get_actuator(space, base, 0, DQA_SIDE_BOTH, &actuator));
+        ok(dqa_shape_space_get_actuator(loaded, base, 0, DQA_SIDE_BOTH, &actuator_loaded));
         assert_memory_equal(&actuator, &actuator_loaded, sizeof actuator);
     }
     assert_int_equal(dqa_shape_space_build(loaded, NULL, NULL), DQA_ERROR_STATE);

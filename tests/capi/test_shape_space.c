@@ -24,7 +24,7 @@ static void null_arguments(void** state) {
     refused(dqa_shape_space_add_density(NULL, "d", cells, N_CELLS, NULL), DQA_ERROR_ARGUMENT, "space");
     refused(dqa_shape_space_add_density(space, "d", NULL, N_CELLS, NULL), DQA_ERROR_ARGUMENT, "cells");
     refused(dqa_shape_space_add_actuator(NULL, 0, &actuator), DQA_ERROR_ARGUMENT, "space");
-    refused(dqa_shape_space_get_actuator(NULL, 0, DQA_ACTUATOR_CAUDAL, &actuator), DQA_ERROR_ARGUMENT, "space");
+    refused(dqa_shape_space_get_actuator(NULL, 0, 0, DQA_SIDE_BOTH, &actuator), DQA_ERROR_ARGUMENT, "space");
     refused(dqa_shape_space_build(NULL, NULL, NULL), DQA_ERROR_ARGUMENT, "space");
     refused(dqa_shape_space_get_info(NULL, &info, sizeof info), DQA_ERROR_ARGUMENT, "space");
     refused(dqa_shape_space_get_info(space, NULL, sizeof info), DQA_ERROR_ARGUMENT, "info");
@@ -138,7 +138,7 @@ static void actuators_are_checked(void** state) {
     actuator.variance[1] = 0.01;
     actuator.variance[2] = 0.01;
 
-    assert_int_equal(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, &read), DQA_ERROR_STATE);
+    assert_int_equal(dqa_shape_space_get_actuator(space, 0, 0, DQA_SIDE_BOTH, &read), DQA_ERROR_STATE);
     refused(dqa_shape_space_add_actuator(space, 9, &actuator), DQA_ERROR_ARGUMENT, "base");
     refused(dqa_shape_space_add_actuator(space, -1, &actuator), DQA_ERROR_ARGUMENT, "base");
     for (axis = 0; axis < 3; ++axis) {
@@ -153,28 +153,44 @@ static void actuators_are_checked(void** state) {
         refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "euler");
     }
     wrong = actuator;
-    wrong.category = 5;
+    wrong.category = 16;
     refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "category");
     wrong = actuator;
-    wrong.padding = 1;
-    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "padding");
+    wrong.category = -1;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "category");
+    wrong = actuator;
+    wrong.kind = 2;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "kind");
+    wrong = actuator;
+    wrong.side = DQA_SIDE_LEFT;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "side");
+    wrong = actuator;
+    wrong.kind = DQA_ACTUATOR_FINS;
+    wrong.layers = 5;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "layers");
+    wrong = actuator;
+    wrong.kind = DQA_ACTUATOR_FINS;
+    wrong.variance[2] = 1.0;
+    refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "variance");
     wrong = actuator;
     wrong.flags = 1;
     refused(dqa_shape_space_add_actuator(space, 0, &wrong), DQA_ERROR_ARGUMENT, "flags");
 
     ok(dqa_shape_space_add_actuator(space, 0, &actuator));
     assert_int_not_equal(dqa_shape_space_add_actuator(space, 0, &actuator), DQA_SUCCESS); /* one of each category */
-    ok(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, &read));
+    ok(dqa_shape_space_get_actuator(space, 0, 0, DQA_SIDE_BOTH, &read));
     assert_memory_equal(read.mean, actuator.mean, sizeof read.mean);
     assert_memory_equal(read.variance, actuator.variance, sizeof read.variance);
-    refused(dqa_shape_space_get_actuator(space, 2, DQA_ACTUATOR_CAUDAL, &read), DQA_ERROR_ARGUMENT, "base");
-    refused(dqa_shape_space_get_actuator(space, 0, DQA_ACTUATOR_CAUDAL, NULL), DQA_ERROR_ARGUMENT, "options");
+    refused(dqa_shape_space_get_actuator(space, 2, 0, DQA_SIDE_BOTH, &read), DQA_ERROR_ARGUMENT, "base");
+    refused(dqa_shape_space_get_actuator(space, 0, 0, DQA_SIDE_BOTH, NULL), DQA_ERROR_ARGUMENT, "options");
 
     /* The base without one gets its own from its geometry. */
     ok(dqa_shape_space_build(space, NULL, NULL));
-    ok(dqa_shape_space_get_actuator(space, 1, DQA_ACTUATOR_CAUDAL, &read));
+    ok(dqa_shape_space_get_actuator(space, 1, 0, DQA_SIDE_BOTH, &read));
     assert_true(read.variance[0] > 0.0 && read.variance[1] > 0.0 && read.variance[2] > 0.0);
-    refused(dqa_shape_space_get_actuator(space, 1, 5, &read), DQA_ERROR_ARGUMENT, "category");
+    refused(dqa_shape_space_get_actuator(space, 1, 16, DQA_SIDE_BOTH, &read), DQA_ERROR_ARGUMENT, "category");
+    refused(dqa_shape_space_get_actuator(space, 1, 0, 3, &read), DQA_ERROR_ARGUMENT, "side");
+    assert_int_equal(dqa_shape_space_get_actuator(space, 1, 5, DQA_SIDE_BOTH, &read), DQA_ERROR_STATE);
     dqa_shape_space_free(space);
 
     /* Without a cell size, metres have no meaning yet. */
@@ -185,6 +201,108 @@ static void actuators_are_checked(void** state) {
     refused(dqa_shape_space_add_actuator(unscaled, 0, &actuator), DQA_ERROR_STATE, "cell_size");
     dqa_shape_space_free(unscaled);
     free(cells);
+}
+
+/* Sixteen signals of a pair of fins and one of the tail, in the order of their categories. */
+static void fins_and_their_signals(void** state) {
+    dqa_shape_space* space = tiny_space_open();
+    dqa_simulator* simulator;
+    dqa_shape_space_info info;
+    dqa_signal_info signal;
+    dqa_actuator_options fins, caudal, read;
+    dqa_actuator_info left, right;
+    int32_t *cells, *signals, *signs, counts[17] = {0};
+    double *directions, *stiffness, weights[N_BASES] = {0.4, 0.6};
+    int64_t n = 0, i;
+    int32_t k;
+    (void)state;
+    ok(dqa_actuator_options_init(&fins, sizeof fins));
+    assert_int_equal(fins.layers, 4);
+    fins.kind = DQA_ACTUATOR_FINS;
+    fins.category = 3;
+    fins.mean[1] = 0.1;
+    fins.variance[0] = 0.03;
+    fins.variance[1] = 0.012;
+    fins.variance[2] = 0.006;
+    fins.euler[0] = 0.2;
+    ok(dqa_shape_space_add_actuator(space, 0, &fins));
+    fins.side = DQA_SIDE_LEFT;
+    fins.euler[0] = 0.3;
+    ok(dqa_shape_space_add_actuator(space, 1, &fins));
+    assert_int_equal(dqa_shape_space_add_actuator(space, 1, &fins), DQA_ERROR_STATE);
+    fins.side = DQA_SIDE_RIGHT;
+    fins.layers = 3;
+    refused(dqa_shape_space_add_actuator(space, 1, &fins), DQA_ERROR_ARGUMENT, "layers");
+    fins.layers = 4;
+    fins.kind = DQA_ACTUATOR_CAUDAL;
+    fins.side = DQA_SIDE_BOTH;
+    refused(dqa_shape_space_add_actuator(space, 1, &fins), DQA_ERROR_ARGUMENT, "kind");
+    ok(dqa_actuator_options_init(&caudal, sizeof caudal));
+    caudal.category = 7;
+    caudal.mean[0] = -0.3;
+    ok(dqa_shape_space_add_actuator(space, 0, &caudal));
+    ok(dqa_shape_space_get_actuator(space, 0, 3, DQA_SIDE_RIGHT, &read));
+    assert_true(read.mean[1] == -0.1 && read.euler[0] == -0.2 && read.variance[1] == 0.012 && read.layers == 4);
+    assert_int_equal(read.kind, DQA_ACTUATOR_FINS);
+    assert_int_equal(read.side, DQA_SIDE_RIGHT);
+    assert_int_equal(dqa_shape_space_get_actuator(space, 1, 3, DQA_SIDE_RIGHT, &read), DQA_ERROR_STATE);
+    assert_int_equal(dqa_shape_space_signal(space, 0, &signal, sizeof signal), DQA_ERROR_STATE);
+
+    ok(dqa_shape_space_build(space, NULL, NULL));
+    ok(dqa_shape_space_get_info(space, &info, sizeof info));
+    assert_int_equal(info.n_signals, 17);
+    for (k = 0; k < 16; ++k) {
+        ok(dqa_shape_space_signal(space, k, &signal, sizeof signal));
+        assert_int_equal(signal.category, 3);
+        assert_int_equal(signal.kind, DQA_ACTUATOR_FINS);
+        assert_int_equal(signal.layer, k / 4);
+        assert_int_equal(signal.group, k % 4);
+    }
+    ok(dqa_shape_space_signal(space, 16, &signal, sizeof signal));
+    assert_int_equal(signal.category, 7);
+    assert_int_equal(signal.kind, DQA_ACTUATOR_CAUDAL);
+    refused(dqa_shape_space_signal(space, 17, &signal, sizeof signal), DQA_ERROR_ARGUMENT, "signal");
+    refused(dqa_shape_space_signal(space, -1, &signal, sizeof signal), DQA_ERROR_ARGUMENT, "signal");
+    refused(dqa_shape_space_signal(space, 0, NULL, sizeof signal), DQA_ERROR_ARGUMENT, "info");
+
+    ok(dqa_simulator_create(space, NULL, &simulator));
+    assert_int_equal(dqa_simulator_actuator(simulator, 3, DQA_SIDE_LEFT, &left, sizeof left), DQA_ERROR_STATE);
+    ok(dqa_simulator_set_weights(simulator, weights, N_BASES, NULL, NULL));
+    ok(dqa_simulator_actuator(simulator, 3, DQA_SIDE_LEFT, &left, sizeof left));
+    ok(dqa_simulator_actuator(simulator, 3, DQA_SIDE_RIGHT, &right, sizeof right));
+    assert_true(left.share == 1.0 && left.strength == 1.0 && right.share == 0.4);
+    assert_true(left.n_signals == 16 && left.first_signal == 0 && left.layers == 4);
+    assert_true(left.mean[1] > 0.0 && right.mean[1] == -0.1);
+    assert_true(left.covariance[0] > 0.0 && left.covariance[1] == left.covariance[3]);
+    assert_int_equal(dqa_simulator_actuator(simulator, 3, DQA_SIDE_BOTH, &left, sizeof left), DQA_ERROR_STATE);
+    assert_int_equal(dqa_simulator_actuator(simulator, 4, DQA_SIDE_LEFT, &left, sizeof left), DQA_ERROR_STATE);
+
+    ok(dqa_simulator_muscles(simulator, NULL, NULL, NULL, 0, NULL, 0, NULL, 0, &n));
+    assert_true(n > 100);
+    cells = malloc(3 * (size_t)n * sizeof *cells);
+    assert_non_null(cells);
+    signals = cells + n;
+    signs = signals + n;
+    directions = doubles(3 * n);
+    stiffness = doubles(n);
+    ok(dqa_simulator_muscles(simulator, cells, signals, signs, n, directions, 3 * n, stiffness, n, NULL));
+    for (i = 0; i < n; ++i) {
+        const double* d = directions + 3 * i;
+        assert_true(signals[i] >= 0 && signals[i] < 17 && cells[i] >= 0 && stiffness[i] > 0.0);
+        assert_true(fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1.0) < 1e-14);
+        assert_true(signals[i] == 16 ? d[0] == 1.0 : signs[i] == 1);
+        ++counts[signals[i]];
+    }
+    for (k = 0; k < 17; ++k) assert_true(counts[k] > 0);
+    refused(dqa_simulator_muscles(simulator, cells, NULL, NULL, n - 1, NULL, 0, NULL, 0, NULL), DQA_ERROR_ARGUMENT,
+            "n");
+    refused(dqa_simulator_muscles(simulator, NULL, NULL, NULL, 0, directions, n, NULL, 0, NULL), DQA_ERROR_ARGUMENT,
+            "nd");
+    dqa_simulator_free(simulator);
+    dqa_shape_space_free(space);
+    free(cells);
+    free(directions);
+    free(stiffness);
 }
 
 static void build_freezes(void** state) {
@@ -237,7 +355,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_arguments),        cmocka_unit_test(densities_are_checked),
         cmocka_unit_test(meshes_are_checked),    cmocka_unit_test(mesh_files_are_checked),
-        cmocka_unit_test(actuators_are_checked), cmocka_unit_test(build_freezes),
+        cmocka_unit_test(actuators_are_checked), cmocka_unit_test(fins_and_their_signals),
+        cmocka_unit_test(build_freezes),
     };
     return cmocka_run_group_tests_name("shape_space", tests, NULL, NULL);
 }

@@ -21,9 +21,10 @@ ShapeSettings settings_of(const Cells& cells) {
 }
 
 // Three ellipsoids with muscles of their own; the second has a placed one, in another position and turned.
-ShapeSpace three_bodies(double sigma, Peak peak = Peak::smooth) {
+ShapeSpace three_bodies(double sigma, Peak peak = Peak::smooth, Interpolation interpolation = Interpolation::linear) {
     ShapeSettings s = settings_of(small);
     s.sigma = sigma, s.peak = peak, s.max_iterations = 20000, s.cell_size = 0.05;
+    s.interpolation = interpolation;
     ShapeSpace space(s);
     space.add_fractions("long", soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3}).data());
     space.add_fractions("round", soft_ellipsoid(small, {9.3, 4.2, 4.6}, {5.4, 2.4, 2.9}).data());
@@ -35,12 +36,18 @@ ShapeSpace three_bodies(double sigma, Peak peak = Peak::smooth) {
     return space;
 }
 
+template <class Point, class F>  // an ActuatorPoint or ActuatorBar
+void each_entry(Point& a, const F& f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        f(a.mean[k]), f(a.half[k]);
+        for (std::size_t j = 0; j < 3; ++j) f(a.normal[k][j]), f(a.edge[k][j]);
+    }
+    f(a.strength);
+}
+
 Vector row(const ShapePoint& p) {
     Vector out = p.p_hat;
-    for (const ActuatorPoint& a : p.actuators) {
-        for (const Vec3* v : {&a.mean, &a.variance, &a.euler}) out.insert(out.end(), v->begin(), v->end());
-        out.push_back(a.strength);
-    }
+    for (const ActuatorPoint& a : p.actuators) each_entry(a, [&](double x) { out.push_back(x); });
     return out;
 }
 
@@ -53,13 +60,9 @@ void check_gradient(const ShapeSpace& space, const Vector& alpha, const std::vec
         "shape space", [&](const Vector& a) { return row(space.evaluate(a, 1e-13, 1, nullptr)); },
         [&](const Vector& a, const Vector& bar) {
             const ShapePoint p = space.evaluate(a, 1e-13, 1, nullptr);
-            std::vector<ActuatorPoint> actuators(p.actuators.size());
+            std::vector<ActuatorBar> actuators(p.actuators.size());
             std::size_t at = p.p_hat.size();
-            for (ActuatorPoint& q : actuators) {
-                for (Vec3* v : {&q.mean, &q.variance, &q.euler})
-                    for (double& x : *v) x = bar[at++];
-                q.strength = bar[at++];
-            }
+            for (ActuatorBar& q : actuators) each_entry(q, [&](double& x) { x = bar[at++]; });
             CHECK(at == bar.size());
             const Vector g = space.pullback(p, bar.data(), actuators, 1e-13, 1, nullptr);
             NEAR(sum(g), 0, 1e-13 * derivative::norm(g));
@@ -70,7 +73,8 @@ void check_gradient(const ShapeSpace& space, const Vector& alpha, const std::vec
 
 void test_gradient_inside() {
     for (const double sigma : {0.6, 1.0})
-        check_gradient(three_bodies(sigma), {0.5, 0.2, 0.3}, {{1, -1, 0}, {0.2, 0.5, -0.7}}, false);
+        check_gradient(three_bodies(sigma, Peak::smooth, sigma < 1 ? Interpolation::linear : Interpolation::bures),
+                       {0.5, 0.2, 0.3}, {{1, -1, 0}, {0.2, 0.5, -0.7}}, false);
 }
 
 void test_gradient_at_the_boundary() {
@@ -84,8 +88,8 @@ void test_pullback_takes_parts() {
     const ShapePoint p = space.evaluate({0.5, 0.2, 0.3}, 1e-12, 1, nullptr);
     derivative::Random random(31);
     const Vector bar = random.vector(p.p_hat.size());
-    ActuatorPoint by_actuator;
-    by_actuator.mean = {1, 2, 3}, by_actuator.variance = {-4, 5, 6}, by_actuator.euler = {0.1, -0.2, 0.3};
+    ActuatorBar by_actuator;
+    by_actuator.mean = {1, 2, 3}, by_actuator.half = {-4, 5, 6}, by_actuator.normal[1] = {0.1, -0.2, 0.3};
     const Vector zero(bar.size(), 0.0);
     const Vector density = space.pullback(p, bar.data(), {}, 1e-12, 1, nullptr);
     const Vector muscle = space.pullback(p, zero.data(), {by_actuator}, 1e-12, 1, nullptr);
@@ -212,6 +216,44 @@ void test_refusals() {
     EXPECT_ERROR(ERROR_STATE, "frozen", open.add_fractions("y", cells.data()));
 }
 
+// Numbers, kinds and halves over the bases become categories, slots and signals.
+void test_categories() {
+    ShapeSettings s = settings_of(small);
+    s.cell_size = 0.05;
+    ShapeSpace space(s);
+    for (const char* name : {"a", "b", "c"})
+        space.add_fractions(name, soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3}).data());
+    Actuator fins;
+    fins.kind = ActuatorKind::fins, fins.category = 1, fins.layers = 4;
+    fins.mean = {0.1, 0.1, 0}, fins.variance = {0.01, 0.01, 0.002}, fins.euler = {0.1, 0, 0.2};
+    space.add_actuator(0, fins);
+    Actuator other = fins;
+    other.category = 9, other.layers = 2, other.half = ActuatorHalf::left;
+    space.add_actuator(0, other);
+    EXPECT_ERROR(ERROR_STATE, "in its left half", space.add_actuator(0, fins));
+    EXPECT_ERROR(ERROR_ARGUMENT, "layers is 3, expected 2", (other.layers = 3, space.add_actuator(1, other)));
+    Actuator tail;
+    tail.variance = {0.01, 0.01, 0.01};
+    EXPECT_ERROR(ERROR_ARGUMENT, "kind is 0, expected 1", (tail.category = 9, space.add_actuator(2, tail)));
+    tail.category = 4;
+    space.add_actuator(1, tail);
+    fins.euler = {0.1, 0, 0.2};
+    space.add_actuator(1, fins);
+    CHECK(space.n_signals() == 0);
+    space.build(nullptr);  // the third base gets a caudal one, number 0
+    CHECK(space.n_signals() == 1 + 16 + 1 + 8);
+    CHECK((space.categories() == std::vector<ActuatorCategory>{{0, ActuatorKind::caudal, 1, 0, 1},
+                                                               {1, ActuatorKind::fins, 4, 1, 16},
+                                                               {4, ActuatorKind::caudal, 1, 17, 1},
+                                                               {9, ActuatorKind::fins, 2, 18, 8}}));
+    using enum ActuatorHalf;
+    CHECK((space.slots() == std::vector<ActuatorSlot>{{0, whole}, {1, left}, {1, right}, {2, whole}, {3, left}}));
+    CHECK(!space.fibres_turn());  // the frames of the two bases agree
+    const ShapePoint p = space.evaluate({0.6, 0.38, 0.02}, 0, 0, nullptr);
+    CHECK(p.actuators.size() == 5 && p.actuators[1].share == 0.98 && p.actuators[0].strength < 0.5);
+    NEAR(p.actuators[2].mean[1], -p.actuators[1].mean[1], 0);
+}
+
 // The sensor line: the x axis where bodies are, else the nearest parallel that runs through all of them.
 void test_axis() {
     CHECK(three_bodies(0.8).axis_y() == 0 && three_bodies(0.8).axis_z() == 0);
@@ -235,6 +277,7 @@ int main() {
         TEST(test_vertices_give_back_real_animals),
         TEST(test_cancelled_build_leaves_the_space_usable),
         TEST(test_refusals),
+        TEST(test_categories),
         TEST(test_axis),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

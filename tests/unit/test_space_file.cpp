@@ -57,12 +57,16 @@ private:
 std::shared_ptr<ShapeSpace> space(double sigma = 0.8) {
     ShapeSettings s;
     s.cells = cells, s.sigma = sigma, s.cell_size = 0.05, s.body_length = 0.9, s.tolerance = 1e-8, s.subsamples = 5;
+    s.interpolation = Interpolation::bures, s.automatic_fins = true;
     s.margin = 1, s.up = 2, s.peak = Peak::paper, s.max_iterations = 777;
     auto out = std::make_shared<ShapeSpace>(s);
     out->add_fractions("one, with \"quotes\" and \n", soft_ellipsoid(cells, {10, 4, 5}, {7.6, 2.1, 2.7}).data());
     out->add_fractions("", soft_ellipsoid(cells, {10.3, 4.2, 4.6}, {5.4, 2.5, 3.4}).data());
     Actuator a;
     a.mean = {-0.12, 0, 0.02}, a.variance = {0.01, 0.004, 0.007}, a.euler = {0.1, 0.2, -0.1};
+    out->add_actuator(1, a);
+    a.category = 6, a.kind = ActuatorKind::fins, a.layers = 3;
+    a.variance = {0.01, 0.007, 0.004};
     out->add_actuator(1, a);
     out->build(nullptr);
     return out;
@@ -99,14 +103,20 @@ void test_round_trip() {
     CHECK(s.peak == t.peak && s.max_iterations == t.max_iterations && s.body_length == t.body_length);
     CHECK(s.cell_size == t.cell_size && s.sigma == t.sigma && s.tolerance == t.tolerance);
     CHECK(before->box().dx == after->box().dx && before->categories() == after->categories());
+    CHECK(s.interpolation == t.interpolation && s.automatic_fins == t.automatic_fins);
+    CHECK(before->slots() == after->slots() && before->fibres_turn() == after->fibres_turn());
     CHECK(before->axis_y() == after->axis_y() && before->axis_z() == after->axis_z());
     CHECK(after->bases().size() == 2);
     for (std::size_t i = 0; i < 2; ++i) {
         const BaseShape &b = before->bases()[i], &c = after->bases()[i];
         CHECK(b.name == c.name && b.fractions == c.fractions && b.density == c.density);
-        CHECK(b.length_in_cells == c.length_in_cells && b.actuators.size() == 1 && c.actuators.size() == 1);
-        CHECK(b.actuators[0].mean == c.actuators[0].mean && b.actuators[0].variance == c.actuators[0].variance);
-        CHECK(b.actuators[0].euler == c.actuators[0].euler && b.actuators[0].category == c.actuators[0].category);
+        CHECK(b.length_in_cells == c.length_in_cells && b.actuators.size() == (i == 0 ? 1u : 3u));
+        CHECK(b.actuators.size() == c.actuators.size());
+        for (std::size_t k = 0; k < b.actuators.size(); ++k) {
+            const Actuator &p = b.actuators[k], &q = c.actuators[k];
+            CHECK(p.mean == q.mean && p.variance == q.variance && p.euler == q.euler && p.category == q.category);
+            CHECK(p.kind == q.kind && p.half == q.half && p.layers == q.layers);
+        }
     }
     CHECK(before->evaluate({0.3, 0.7}, 0, 0, nullptr).p_hat == after->evaluate({0.3, 0.7}, 0, 0, nullptr).p_hat);
     after->save(folder / "b");
@@ -137,6 +147,8 @@ void test_damaged_files() {
     std::string newer = good;
     newer[8] = 99;
     refused(sealed(newer), "format version 99");
+    newer[8] = 2;
+    refused(sealed(newer), "format version 2, this library reads 3");
     EXPECT_ERROR(ERROR_IO, "cannot open", ShapeSpace::load(folder / "none"));
     EXPECT_ERROR(ERROR_IO, "cannot read", ShapeSpace::load(folder.path()));
 }
@@ -146,8 +158,8 @@ void test_forged_files() {
     const Folder folder;
     space()->save(folder / "good");
     const std::string good = content(folder / "good"), path = folder / "bad";
-    constexpr std::size_t dims = 12, ints = 16, doubles = 52,
-                          bases = 92;  // offsets: dims; cells, margin..; body length..; count of bases
+    constexpr std::size_t dims = 12, ints = 16, doubles = 60,
+                          bases = 100;  // offsets: dims; cells, margin..; body length..; count of bases
     const auto refused = [&](std::string bytes, const char* what) {
         write(path, sealed(std::move(bytes)));
         try {
@@ -180,6 +192,8 @@ void test_forged_files() {
     refused(with_int(ints, 19), "fewer cells");
     refused(with_int(ints + 28, 7), "unknown peak");
     refused(with_int(ints + 32, 0), "no iterations");
+    refused(with_int(ints + 36, 2), "unknown interpolation");
+    refused(with_int(ints + 40, 2), "neither with nor without fins");
     for (const double x : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
         refused(with_double(doubles, x), "body length");
         refused(with_double(doubles + 16, x), "sigma");
@@ -200,10 +214,17 @@ void test_forged_files() {
     std::fill_n(empty.begin() + static_cast<long>(fractions), n, '\0');
     refused(empty, "an empty base");
     refused(with_int(fractions + n, 0xffffffffu), "very many actuators");
-    refused(with_int(fractions + n + 4, 99), "unknown category");
-    refused(with_double(fractions + n + 8, HUGE_VAL), "mean");
-    refused(with_double(fractions + n + 8 + 24, -1.0), "variance");
-    refused(with_double(fractions + n + 8 + 48, std::nan("")), "angle");
+    const std::size_t actuator = fractions + n + 4;
+    refused(with_int(actuator, 16), "unknown category");
+    refused(with_int(actuator + 4, 2), "unknown kind");
+    refused(with_int(actuator + 4, 1), "fins without a side");
+    refused(with_int(actuator + 8, 1), "a caudal actuator with a side");
+    refused(with_int(actuator + 12, 0), "no layers");
+    refused(with_int(actuator + 12, 5), "too many layers");
+    refused(with_double(actuator + 16, HUGE_VAL), "mean");
+    refused(with_double(actuator + 16 + 24, -1.0), "variance");
+    refused(with_double(actuator + 16 + 48, std::nan("")), "angle");
+    refused(with_int(actuator, 6), "a number that is fins in another base");
     write(path, sealed(good));
     ShapeSpace::load(path);
 }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "shape/actuator_placement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/error.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr double kTrace = 0.02;  // of the largest section: less is not body
+
+std::size_t idx(int i) {
+    return static_cast<std::size_t>(i);
+}
+
+// Cross-sections in cells, and the run of those that are more than a trace.
+struct Sections {
+    std::vector<double> area;
+    int tail = 0, head = 0, length = 0;
+};
+
+Sections sections_of(const Box& box, const std::vector<double>& fractions) {
+    const int nx = box.cells[0], slab = box.cells[1] * box.cells[2];
+    Sections s;
+    s.area.assign(idx(nx), 0.0);
+    for (int c = 0; c < nx * slab; ++c) s.area[idx(c / slab)] += fractions[idx(c)];
+    const double largest = *std::max_element(s.area.begin(), s.area.end());
+    s.head = nx - 1;
+    while (s.tail < s.head && s.area[idx(s.tail)] < kTrace * largest) ++s.tail;
+    while (s.head > s.tail && s.area[idx(s.head)] < kTrace * largest) --s.head;
+    s.length = s.head - s.tail + 1;
+    return s;
+}
+
+// First and last section (last exclusive) of the caudal muscle.
+std::pair<int, int> caudal_reach(const Sections& s) {
+    const auto at = [&](double share) { return s.tail + static_cast<int>(share * s.length); };
+    int peduncle = at(0.08);
+    for (int i = peduncle; i <= at(0.40); ++i)
+        if (s.area[idx(i)] < s.area[idx(peduncle)]) peduncle = i;
+    return {peduncle, std::max(peduncle + 2, at(0.55))};
+}
+
+Vec3 variance_of(const Vec3& half) {
+    return {half[0] * half[0] / kTwoLn2, half[1] * half[1] / kTwoLn2, half[2] * half[2] / kTwoLn2};
+}
+
+}  // namespace
+
+Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
+    const int nx = box.cells[0];
+    const auto [first, last] = caudal_reach(sections_of(box, fractions));
+    double mass = 0.0, mean_z = 0.0, mean_zz = 0.0, mean_yy = 0.0;
+    for (int i = first; i < last && i < nx; ++i)
+        for (int j = 0; j < box.cells[1]; ++j)
+            for (int k = 0; k < box.cells[2]; ++k) {
+                const int c = box.cell(i, j, k);
+                const double f = fractions[idx(c)];
+                const Vec3 x = box.cell_centre(c);
+                mass += f, mean_z += f * x[2], mean_zz += f * x[2] * x[2], mean_yy += f * x[1] * x[1];
+            }
+    if (!(mass > 0))
+        fail(Status::ERROR_ARGUMENT, "base shape: no body found between peduncle and middle to carry a muscle");
+    mean_z /= mass, mean_zz /= mass, mean_yy /= mass;
+    // A uniform section of half-width H has variance H^2/4 (ellipse): twice the deviation spans it. At least one cell.
+    const double half_y = std::max(box.dx, 2.0 * std::sqrt(mean_yy));
+    const double half_z = std::max(box.dx, 2.0 * std::sqrt(std::max(0.0, mean_zz - mean_z * mean_z)));
+    const double x0 = (first - 0.5 * nx) * box.dx, x1 = (std::min(last, nx) - 0.5 * nx) * box.dx;
+    Actuator out;
+    out.mean = {0.5 * (x0 + x1), 0.0, mean_z};
+    out.variance = variance_of({0.5 * (x1 - x0), half_y, half_z});
+    return out;
+}
+
+std::optional<Actuator> place_fins(const Box& box, const std::vector<double>& fractions) {
+    const int nx = box.cells[0], ny = box.cells[1], nz = box.cells[2];
+    const Sections s = sections_of(box, fractions);
+    double mass = 0.0, yy = 0.0, z1 = 0.0, zz = 0.0;
+    for (int c = 0; c < box.n_cells(); ++c) {
+        const Vec3 x = box.cell_centre(c);
+        const double f = fractions[idx(c)];
+        mass += f, yy += f * x[1] * x[1], z1 += f * x[2], zz += f * x[2] * x[2];
+    }
+    if (!(mass > 0)) return std::nullopt;
+    const double wide = 2.0 * std::sqrt(yy / mass);
+    const double high = 2.0 * std::sqrt(std::max(0.0, zz / mass - z1 / mass * (z1 / mass)));
+    // In the plane there is no height to compare with.
+    const double trunk = std::max(box.dx, nz > 1 ? std::min(wide, high) : wide);
+    // What lies beyond the trunk on the left, where the right has it too.
+    const auto beyond = [&](int i, int j, int k) {
+        return std::min(fractions[idx(box.cell(i, j, k))], fractions[idx(box.cell(i, ny - 1 - j, k))]);
+    };
+    const int inner = std::max(ny / 2, static_cast<int>(std::ceil(trunk / box.dx + 0.5 * ny)));
+    std::vector<double> area(idx(nx), 0.0);
+    for (int i = 0; i < nx; ++i)
+        for (int j = inner; j < ny; ++j)
+            for (int k = 0; k < nz; ++k) area[idx(i)] += beyond(i, j, k);
+    const double largest = *std::max_element(area.begin(), area.end());
+    if (!(largest > 0)) return std::nullopt;
+    // The run of sections with the most volume; between runs there is less than a tenth of the largest section.
+    int first = 0, last = 0;
+    double volume = 0.0;
+    for (int i = 0; i < nx; ++i) {
+        if (area[idx(i)] < 0.1 * largest) continue;
+        int end = i;
+        double sum = 0.0;
+        for (; end < nx && area[idx(end)] >= 0.1 * largest; ++end) sum += area[idx(end)];
+        if (sum > volume) volume = sum, first = i, last = end;
+        i = end;
+    }
+    int tip = inner;
+    double fin = 0.0, mean_z = 0.0, mean_zz = 0.0;
+    for (int i = first; i < last; ++i)
+        for (int j = inner; j < ny; ++j)
+            for (int k = 0; k < nz; ++k) {
+                const double f = beyond(i, j, k), z = box.cell_centre(box.cell(i, j, k))[2];
+                if (f >= 0.5) tip = std::max(tip, j + 1);
+                fin += f, mean_z += f * z, mean_zz += f * z * z;
+            }
+    const int chord = last - first;
+    if (tip - inner < 2 || chord < 2 || 4 * chord > 3 * s.length || 2.0 * fin < 0.01 * mass) return std::nullopt;
+    mean_z /= fin, mean_zz /= fin;
+    const double root = (inner - 0.5 * ny) * box.dx, end = (tip - 0.5 * ny) * box.dx;
+    Vec3 half{0.5 * chord * box.dx, 0.5 * (end - root),
+              std::max(box.dx, 2.0 * std::sqrt(std::max(0.0, mean_zz - mean_z * mean_z)))};
+    half[2] = std::min({half[0], half[1], half[2]});  // the thickness is the smallest, also of a fin that hangs down
+    Actuator out;
+    out.kind = ActuatorKind::fins, out.half = ActuatorHalf::left, out.category = 1;
+    out.layers = nz > 1 ? kMaxLayers : 1;
+    out.mean = {(0.5 * (first + last) - 0.5 * nx) * box.dx, 0.5 * (root + end), nz > 1 ? mean_z : 0.0};
+    out.variance = variance_of(half);
+    return out;
+}
+
+}  // namespace dqa
