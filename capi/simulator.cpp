@@ -452,7 +452,8 @@ dqa_status dqa_simulator_muscles(const dqa_simulator* simulator, int32_t* cells,
             if (cells) cells[e] = muscles[e].cell;
             if (signals) signals[e] = muscles[e].signal;
             if (signs) signs[e] = muscles[e].sign > 0 ? 1 : -1;
-            if (directions) points_out(muscles[e].direction.data(), 1, dims, directions + dims * static_cast<int64_t>(e));
+            if (directions)
+                points_out(muscles[e].direction.data(), 1, dims, directions + dims * static_cast<int64_t>(e));
             if (stiffness) stiffness[e] = muscles[e].weight;
         }
         if (n_muscles) *n_muscles = rows;

@@ -49,6 +49,40 @@ std::pair<int, int> caudal_reach(const Sections& s) {
     return {at(0.40), std::max(at(0.40) + 2, at(0.90))};
 }
 
+// First section that is not part of the tail fin.
+int tail_fin_end(const Sections& s) {
+    return s.tail + static_cast<int>(0.25 * s.length);
+}
+
+// Rows of cells from the mid-plane to the side of the trunk in a section. With t(y) the covered height of a column, the
+// trunk is where t is at least 0.59 of its mean over the section's volume, which in an ellipse is half the height at
+// the middle and 0.87 of the half width: thin fins do not reach it. No trunk is wider than it is high.
+int trunk_reach(const Box& box, const std::vector<double>& fractions, int i) {
+    const int ny = box.cells[1], nz = box.cells[2];
+    std::vector<double> column(idx(ny), 0.0);
+    double sum = 0.0, squares = 0.0;
+    for (int j = 0; j < ny; ++j) {
+        for (int k = 0; k < nz; ++k) column[idx(j)] += fractions[idx(box.cell(i, j, k))];
+        sum += column[idx(j)], squares += column[idx(j)] * column[idx(j)];
+    }
+    if (!(sum > 0)) return 0;
+    const double mean = squares / sum;
+    int thick = 0;
+    for (int j = ny / 2; j < ny && column[idx(j)] >= 0.59 * mean; ++j) ++thick;
+    const double wide = thick / 0.87, high = 0.5 * mean / 0.85;
+    return static_cast<int>(std::ceil(std::min(wide, high)));
+}
+
+// The same for a body in the plane, which has no heights: twice its standard deviation across.
+int plane_reach(const Box& box, const std::vector<double>& fractions) {
+    double sum = 0.0, squares = 0.0;
+    for (int c = 0; c < box.n_cells(); ++c) {
+        const double y = box.cell_centre(c)[1] / box.dx;
+        sum += fractions[idx(c)], squares += fractions[idx(c)] * y * y;
+    }
+    return sum > 0 ? static_cast<int>(std::ceil(2.0 * std::sqrt(squares / sum))) : 0;
+}
+
 Vec3 variance_of(const Vec3& half) {
     return {half[0] * half[0] / kTwoLn2, half[1] * half[1] / kTwoLn2, half[2] * half[2] / kTwoLn2};
 }
@@ -82,59 +116,55 @@ Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
 std::optional<Actuator> place_fins(const Box& box, const std::vector<double>& fractions) {
     const int nx = box.cells[0], ny = box.cells[1], nz = box.cells[2];
     const Sections s = sections_of(box, fractions);
-    double mass = 0.0, yy = 0.0, z1 = 0.0, zz = 0.0;
-    for (int c = 0; c < box.n_cells(); ++c) {
-        const Vec3 x = box.cell_centre(c);
-        const double f = fractions[idx(c)];
-        mass += f, yy += f * x[1] * x[1], z1 += f * x[2], zz += f * x[2] * x[2];
-    }
-    if (!(mass > 0)) return std::nullopt;
-    const double wide = 2.0 * std::sqrt(yy / mass);
-    const double high = 2.0 * std::sqrt(std::max(0.0, zz / mass - z1 / mass * (z1 / mass)));
-    // In the plane there is no height to compare with.
-    const double trunk = std::max(box.dx, nz > 1 ? std::min(wide, high) : wide);
-    // What lies beyond the trunk on the left, where the right has it too.
-    const auto beyond = [&](int i, int j, int k) {
+    // What lies on the left where the right has it too.
+    const auto paired = [&](int i, int j, int k) {
         return std::min(fractions[idx(box.cell(i, j, k))], fractions[idx(box.cell(i, ny - 1 - j, k))]);
     };
-    const int inner = std::max(ny / 2, static_cast<int>(std::ceil(trunk / box.dx + 0.5 * ny)));
-    std::vector<double> area(idx(nx), 0.0);
-    for (int i = 0; i < nx; ++i)
-        for (int j = inner; j < ny; ++j)
-            for (int k = 0; k < nz; ++k) area[idx(i)] += beyond(i, j, k);
-    const double largest = *std::max_element(area.begin(), area.end());
-    if (!(largest > 0)) return std::nullopt;
-    // The run of sections with the most volume; between runs there is less than a tenth of the largest section.
+    const int in_plane = plane_reach(box, fractions);
+    std::vector<double> area(idx(nx), 0.0);  // beyond the trunk, in sections where that is two cells or more
+    std::vector<int> inner(idx(nx), ny);     // first row of cells beyond the trunk
+    std::vector<int> tip(idx(nx), 0);        // and beyond the last one that is at least half a cell high
+    for (int i = tail_fin_end(s); i < nx; ++i) {
+        inner[idx(i)] = ny / 2 + (nz > 1 ? trunk_reach(box, fractions, i) : in_plane);
+        double sum = 0.0;
+        for (int j = inner[idx(i)]; j < ny; ++j) {
+            double column = 0.0;
+            for (int k = 0; k < nz; ++k) column += paired(i, j, k);
+            if (column >= 0.5) tip[idx(i)] = j + 1;
+            sum += column;
+        }
+        if (tip[idx(i)] - inner[idx(i)] >= 2) area[idx(i)] = sum;
+    }
+    // The run of such sections with the most volume.
     int first = 0, last = 0;
     double volume = 0.0;
     for (int i = 0; i < nx; ++i) {
-        if (area[idx(i)] < 0.1 * largest) continue;
-        int end = i;
+        const int begin = i;
         double sum = 0.0;
-        for (; end < nx && area[idx(end)] >= 0.1 * largest; ++end) sum += area[idx(end)];
-        if (sum > volume) volume = sum, first = i, last = end;
-        i = end;
+        for (; i < nx && area[idx(i)] > 0; ++i) sum += area[idx(i)];
+        if (sum > volume) volume = sum, first = begin, last = i;
     }
-    int tip = inner;
-    double fin = 0.0, mean_z = 0.0, mean_zz = 0.0;
+    if (!(volume > 0)) return std::nullopt;
+    double fin = 0.0, body = 0.0, root = 0.0, mean_z = 0.0, mean_zz = 0.0;
+    const int end = *std::max_element(tip.begin() + first, tip.begin() + last);
+    for (const double f : fractions) body += f;
     for (int i = first; i < last; ++i)
-        for (int j = inner; j < ny; ++j)
+        for (int j = inner[idx(i)]; j < ny; ++j)
             for (int k = 0; k < nz; ++k) {
-                const double f = beyond(i, j, k), z = box.cell_centre(box.cell(i, j, k))[2];
-                if (f >= 0.5) tip = std::max(tip, j + 1);
-                fin += f, mean_z += f * z, mean_zz += f * z * z;
+                const double f = paired(i, j, k), z = box.cell_centre(box.cell(i, j, k))[2];
+                fin += f, root += f * inner[idx(i)], mean_z += f * z, mean_zz += f * z * z;
             }
+    root /= fin, mean_z /= fin, mean_zz /= fin;
     const int chord = last - first;
-    if (tip - inner < 2 || chord < 2 || 4 * chord > 3 * s.length || 2.0 * fin < 0.01 * mass) return std::nullopt;
-    mean_z /= fin, mean_zz /= fin;
-    const double root = (inner - 0.5 * ny) * box.dx, end = (tip - 0.5 * ny) * box.dx;
-    Vec3 half{0.5 * chord * box.dx, 0.5 * (end - root),
+    if (chord < 2 || 3 * chord > 2 * s.length || 2.0 * fin < 0.01 * body) return std::nullopt;
+    Vec3 half{0.5 * chord * box.dx, 0.5 * (end - root) * box.dx,
               std::max(box.dx, 2.0 * std::sqrt(std::max(0.0, mean_zz - mean_z * mean_z)))};
     half[2] = std::min({half[0], half[1], half[2]});  // the thickness is the smallest, also of a fin that hangs down
     Actuator out;
     out.kind = ActuatorKind::fins, out.half = ActuatorHalf::left, out.category = 1;
     out.layers = nz > 1 ? kMaxLayers : 1;
-    out.mean = {(0.5 * (first + last) - 0.5 * nx) * box.dx, 0.5 * (root + end), nz > 1 ? mean_z : 0.0};
+    out.mean = {(0.5 * (first + last) - 0.5 * nx) * box.dx, (0.5 * (root + end) - 0.5 * ny) * box.dx,
+                nz > 1 ? mean_z : 0.0};
     out.variance = variance_of(half);
     return out;
 }

@@ -14,10 +14,10 @@ namespace dqa {
 // from 40 to 90 % of its length, measured from the tail.
 Actuator place_caudal(const Box& box, const std::vector<double>& fractions);
 
-// The left half of a pair of lateral fins, the right one being its mirror image; nothing if the body has none. The
-// trunk is as wide as twice the body's standard deviation across, and no wider than high; fins are what reaches at
-// least two cells beyond it on both sides, over at most three quarters of the body's length, with at least 1 % of its
-// volume; of several pairs the largest counts.
+// The left half of a pair of lateral fins, the right one being its mirror image; nothing if the body has none. Fins are
+// what reaches at least two cells beyond the trunk on both sides, ahead of the tail's quarter, over at most two
+// thirds of the body's length, with at least 1 % of its volume; of several pairs the largest counts. The trunk of a
+// section ends where the body's height falls below about half of that in the middle, and is no wider than high.
 std::optional<Actuator> place_fins(const Box& box, const std::vector<double>& fractions);
 
 }  // namespace dqa

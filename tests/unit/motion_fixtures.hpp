@@ -174,6 +174,15 @@ inline Vector ellipsoid_fractions(const std::array<int, 3>& cells, const Vec3& r
     return f;
 }
 
+// A caudal muscle over the rear half of an ellipsoid with these semi-axes and centre, in cells.
+inline Actuator rear_muscle(const Vec3& radius, const Vec3& centre, double dx) {
+    Actuator a;
+    a.mean = {(centre[0] - 0.5 * radius[0]) * dx, centre[1] * dx, centre[2] * dx};
+    const Vec3 half = {0.5 * radius[0] * dx, 0.97 * radius[1] * dx, 0.94 * radius[2] * dx};
+    for (std::size_t k = 0; k < 3; ++k) a.variance[k] = half[k] * half[k] / kTwoLn2;
+    return a;
+}
+
 // Two ellipsoids that differ in length, height and place, in a box of cells with these numbers; metres as a small fish.
 inline std::shared_ptr<const ShapeSpace> ellipsoid_space(const std::array<int, 3>& cells = {20, 8, 8},
                                                          double dx = 0.05) {
@@ -183,8 +192,11 @@ inline std::shared_ptr<const ShapeSpace> ellipsoid_space(const std::array<int, 3
     s.sigma = 0.7;
     auto space = std::make_shared<ShapeSpace>(s);
     const double x = 0.5 * cells[0], y = 0.5 * cells[1], z = 0.5 * cells[2];
-    space->add_fractions("slim", ellipsoid_fractions(cells, {x - 2.0, y - 2.2, z - 2.0}).data());
-    space->add_fractions("stout", ellipsoid_fractions(cells, {x - 3.2, y - 1.8, z - 1.7}, {0.6, 0.0, 0.2}).data());
+    const Vec3 slim{x - 2.0, y - 2.2, z - 2.0}, stout{x - 3.2, y - 1.8, z - 1.7}, centre{0.6, 0.0, 0.2};
+    space->add_fractions("slim", ellipsoid_fractions(cells, slim).data());
+    space->add_fractions("stout", ellipsoid_fractions(cells, stout, centre).data());
+    space->add_actuator(0, rear_muscle(slim, {}, dx));
+    space->add_actuator(1, rear_muscle(stout, centre, dx));
     space->build(nullptr);
     return space;
 }
