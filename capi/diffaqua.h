@@ -153,6 +153,17 @@ DQA_API dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space *space, const c
 /* Adds a base from covered fractions in [0, 1], shape [cells_x][cells_y][cells_z]; n = product of the three. */
 DQA_API dqa_status dqa_shape_space_add_density(dqa_shape_space *space, const char *name, const double *cells, int64_t n,
                                                int32_t *base);
+/* Adds a base to a space of two dimensions from a closed simple polygon: corners [n_corners][2] = (x, y), any unit and
+ * either sense of rotation, the last corner joined to the first. Scaled uniformly to fit the box with its margins and
+ * centred by its centre of mass, as meshes are; the covered area of every cell is exact. n_corners counts rows, in
+ * [3, 16384]. DQA_ERROR_ARGUMENT for a polygon that crosses or touches itself. */
+DQA_API dqa_status dqa_shape_space_add_polygon(dqa_shape_space *space, const char *name, const double *corners,
+                                               int64_t n_corners, int32_t *base);
+/* The same from grey values in [0, 1] (1: body), pixels [n_rows][n_columns] of square pixels at any resolution, in the
+ * order of image files: the first row is the top (largest y, the swimmer's left), the first column the left of the
+ * picture (least x, the tail's side; the swimmer looks to the right). Every cell gets the mean over its area. */
+DQA_API dqa_status dqa_shape_space_add_image(dqa_shape_space *space, const char *name, const double *pixels,
+                                             int64_t n_rows, int64_t n_columns, int32_t *base);
 
 #define DQA_ACTUATOR_CAUDAL 0 /* antagonistic pair split at the plane y = 0, fibres along x: one signal */
 #define DQA_ACTUATOR_FINS 1   /* a left and a right fin that share 4 signals per layer: 16 with four layers */

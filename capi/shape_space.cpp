@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The shape space's handle.
-#include <algorithm>
 #include <cinttypes>
 
 #include "internal.hpp"
@@ -205,6 +204,31 @@ dqa_status dqa_shape_space_add_density(dqa_shape_space* space, const char* name,
         require(space, "space"), require(name, "name"), require(cells, "cells");
         require_count(n, space->core->box().n_cells(), "n", "cells [cells_x][cells_y][cells_z]");
         const int index = space->core->add_fractions(name, cells);
+        if (base) *base = index;
+    });
+}
+
+dqa_status dqa_shape_space_add_polygon(dqa_shape_space* space, const char* name, const double* corners,
+                                       int64_t n_corners, int32_t* base) {
+    return guard([&] {
+        require(space, "space"), require(name, "name"), require(corners, "corners");
+        require_range(static_cast<double>(n_corners), n_corners >= 3 && n_corners <= 16384, "n_corners",
+                      "a number in [3, 16384]");
+        std::vector<std::array<double, 2>> points;
+        for (int64_t k = 0; k < n_corners; ++k) points.push_back({corners[2 * k], corners[2 * k + 1]});
+        const int index = space->core->add_polygon(name, points);
+        if (base) *base = index;
+    });
+}
+
+dqa_status dqa_shape_space_add_image(dqa_shape_space* space, const char* name, const double* pixels, int64_t n_rows,
+                                     int64_t n_columns, int32_t* base) {
+    return guard([&] {
+        require(space, "space"), require(name, "name"), require(pixels, "pixels");
+        require_range(static_cast<double>(n_rows), n_rows >= 1 && n_rows <= 32768, "n_rows", "a number in [1, 32768]");
+        require_range(static_cast<double>(n_columns), n_columns >= 1 && n_columns <= 32768, "n_columns",
+                      "a number in [1, 32768]");
+        const int index = space->core->add_image(name, pixels, static_cast<int>(n_rows), static_cast<int>(n_columns));
         if (base) *base = index;
     });
 }

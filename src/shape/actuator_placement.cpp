@@ -73,14 +73,11 @@ int trunk_reach(const Box& box, const std::vector<double>& fractions, int i) {
     return static_cast<int>(std::ceil(std::min(wide, high)));
 }
 
-// The same for a body in the plane, which has no heights: twice its standard deviation across.
-int plane_reach(const Box& box, const std::vector<double>& fractions) {
-    double sum = 0.0, squares = 0.0;
-    for (int c = 0; c < box.n_cells(); ++c) {
-        const double y = box.cell_centre(c)[1] / box.dx;
-        sum += fractions[idx(c)], squares += fractions[idx(c)] * y * y;
-    }
-    return sum > 0 ? static_cast<int>(std::ceil(2.0 * std::sqrt(squares / sum))) : 0;
+// The same for a body in the plane, which has no heights: twice the median half width of its sections.
+int plane_reach(const Sections& s) {
+    std::vector<double> width(s.area.begin() + s.tail, s.area.begin() + s.head + 1);
+    std::nth_element(width.begin(), width.begin() + s.length / 2, width.end());
+    return static_cast<int>(std::ceil(width[idx(s.length / 2)] - 1e-9));
 }
 
 Vec3 variance_of(const Vec3& half) {
@@ -120,7 +117,7 @@ std::optional<Actuator> place_fins(const Box& box, const std::vector<double>& fr
     const auto paired = [&](int i, int j, int k) {
         return std::min(fractions[idx(box.cell(i, j, k))], fractions[idx(box.cell(i, ny - 1 - j, k))]);
     };
-    const int in_plane = plane_reach(box, fractions);
+    const int in_plane = plane_reach(s);
     std::vector<double> area(idx(nx), 0.0);  // beyond the trunk, in sections where that is two cells or more
     std::vector<int> inner(idx(nx), ny);     // first row of cells beyond the trunk
     std::vector<int> tip(idx(nx), 0);        // and beyond the last one that is at least half a cell high

@@ -17,7 +17,8 @@ Actuator place_caudal(const Box& box, const std::vector<double>& fractions);
 // The left half of a pair of lateral fins, the right one being its mirror image; nothing if the body has none. Fins are
 // what reaches at least two cells beyond the trunk on both sides, ahead of the tail's quarter, over at most two
 // thirds of the body's length, with at least 1 % of its volume; of several pairs the largest counts. The trunk of a
-// section ends where the body's height falls below about half of that in the middle, and is no wider than high.
+// section ends where the body's height falls below about half of that in the middle, and is no wider than high; in the
+// plane it is twice as wide as the median section.
 std::optional<Actuator> place_fins(const Box& box, const std::vector<double>& fractions);
 
 }  // namespace dqa

@@ -6,6 +6,7 @@
 
 #include "grid/error.hpp"
 #include "shape/actuator_placement.hpp"
+#include "shape/planar_base.hpp"
 #include "shape/voxelize.hpp"
 
 namespace dqa {
@@ -57,8 +58,7 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     base.name = name;
     base.fractions = covered_fractions(cleaned, box_, {settings_.margin, settings_.margin_across}, settings_.subsamples,
                                        settings_.threads, &base.length_in_cells);
-    bases_.push_back(std::move(base));
-    return static_cast<int>(bases_.size()) - 1;
+    return add_base(std::move(base));
 }
 
 int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
@@ -80,8 +80,36 @@ int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
     if (last < 0)
         fail(Status::ERROR_ARGUMENT, "cells: no cell is covered by half or more (sum %g), expected a body", sum);
     base.length_in_cells = last - first + 1;
+    return add_base(std::move(base));
+}
+
+void ShapeSpace::require_plane(const char* what) const {
+    require_open(what);
+    if (settings_.dims != 2)
+        fail(Status::ERROR_ARGUMENT, "%s: the space has dims = 3, expected 2; add meshes or densities here", what);
+}
+
+int ShapeSpace::add_base(BaseShape base) {
     bases_.push_back(std::move(base));
     return static_cast<int>(bases_.size()) - 1;
+}
+
+int ShapeSpace::add_polygon(const std::string& name, const std::vector<std::array<double, 2>>& corners) {
+    require_plane("add_polygon");
+    BaseShape base;
+    base.name = name;
+    base.fractions =
+        polygon_fractions(corners, box_, {settings_.margin, settings_.margin_across}, &base.length_in_cells);
+    return add_base(std::move(base));
+}
+
+int ShapeSpace::add_image(const std::string& name, const double* pixels, int rows, int columns) {
+    require_plane("add_image");
+    BaseShape base;
+    base.name = name;
+    base.fractions = image_fractions(pixels, rows, columns, box_, {settings_.margin, settings_.margin_across},
+                                     &base.length_in_cells);
+    return add_base(std::move(base));
 }
 
 void ShapeSpace::add_actuator(int base, const Actuator& actuator) {

@@ -72,6 +72,9 @@ public:
 
     int add_mesh(const std::string& name, const TriangleMesh& mesh);
     int add_fractions(const std::string& name, const double* cells);
+    // Of a plane space: see planar_base.hpp.
+    int add_polygon(const std::string& name, const std::vector<std::array<double, 2>>& corners);
+    int add_image(const std::string& name, const double* pixels, int rows, int columns);
     // Of fins: half `whole` gives both halves, the left one as described and the right one as its mirror image.
     void add_actuator(int base, const Actuator& actuator);
     // progress(done, total) may throw to cancel; the space is then still unbuilt.
@@ -109,6 +112,8 @@ public:
 
 private:
     void require_open(const char* what) const;
+    void require_plane(const char* what) const;
+    int add_base(BaseShape base);
     void freeze();  // everything that follows from bases and cell size
     void choose_axis();
     void list_actuators();

@@ -305,6 +305,44 @@ static void fins_and_their_signals(void** state) {
     free(stiffness);
 }
 
+static void plane_bases(void** state) {
+    const double fish[10] = {-1.0, -0.1, 0.2, -0.3, 1.0, 0.0, 0.2, 0.3, -1.0, 0.1};
+    const double bow[8] = {0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0};
+    const double pixels[6] = {0.2, 1.0, 0.5, 0.2, 1.0, 0.5};
+    dqa_shape_space_options options;
+    dqa_shape_space *space = NULL, *solid = tiny_space_open();
+    double* cells = doubles(24 * 10);
+    int32_t base = -1;
+    int64_t c;
+    double total = 0.0;
+    (void)state;
+    ok(dqa_shape_space_options_init(&options, sizeof options));
+    options.dims = 2;
+    options.cells_x = 24;
+    options.cells_y = 10;
+    ok(dqa_shape_space_create(&options, &space));
+    ok(dqa_shape_space_add_polygon(space, "fish", fish, 5, &base));
+    assert_int_equal(base, 0);
+    ok(dqa_shape_space_add_image(space, "bar", pixels, 2, 3, &base));
+    assert_int_equal(base, 1);
+    ok(dqa_shape_space_get_base(space, 0, cells, 24 * 10));
+    for (c = 0; c < 24 * 10; ++c) total += cells[c];
+    assert_true(total > 20.0);
+    refused(dqa_shape_space_add_polygon(space, "bow", bow, 4, NULL), DQA_ERROR_ARGUMENT, "polygon");
+    refused(dqa_shape_space_add_polygon(space, "bow", bow, 2, NULL), DQA_ERROR_ARGUMENT, "n_corners");
+    refused(dqa_shape_space_add_polygon(space, "bow", NULL, 4, NULL), DQA_ERROR_ARGUMENT, "corners");
+    refused(dqa_shape_space_add_polygon(solid, "fish", fish, 5, NULL), DQA_ERROR_ARGUMENT, "dims");
+    refused(dqa_shape_space_add_image(space, "bar", NULL, 2, 3, NULL), DQA_ERROR_ARGUMENT, "pixels");
+    refused(dqa_shape_space_add_image(space, "bar", pixels, 0, 3, NULL), DQA_ERROR_ARGUMENT, "n_rows");
+    refused(dqa_shape_space_add_image(space, "bar", pixels, 2, -1, NULL), DQA_ERROR_ARGUMENT, "n_columns");
+    refused(dqa_shape_space_add_image(space, NULL, pixels, 2, 3, NULL), DQA_ERROR_ARGUMENT, "name");
+    refused(dqa_shape_space_add_image(solid, "bar", pixels, 2, 3, NULL), DQA_ERROR_ARGUMENT, "dims");
+    ok(dqa_shape_space_build(space, NULL, NULL));
+    dqa_shape_space_free(space);
+    dqa_shape_space_free(solid);
+    free(cells);
+}
+
 static void build_freezes(void** state) {
     dqa_shape_space* space = tiny_space_open();
     dqa_shape_space* bare = NULL;
@@ -356,7 +394,7 @@ int main(void) {
         cmocka_unit_test(null_arguments),        cmocka_unit_test(densities_are_checked),
         cmocka_unit_test(meshes_are_checked),    cmocka_unit_test(mesh_files_are_checked),
         cmocka_unit_test(actuators_are_checked), cmocka_unit_test(fins_and_their_signals),
-        cmocka_unit_test(build_freezes),
+        cmocka_unit_test(plane_bases),           cmocka_unit_test(build_freezes),
     };
     return cmocka_run_group_tests_name("shape_space", tests, NULL, NULL);
 }
