@@ -105,11 +105,11 @@ typedef struct dqa_shape_space dqa_shape_space;
 #define DQA_UP_Z 1    /* the mesh is used as it is: x heading, z up */
 #define DQA_UP_Y 2    /* the mesh has y up: it is turned by 90 degrees about x */
 
-/* Box, meshes, interpolation. */
 #define DQA_INTERPOLATION_LINEAR 0 /* mean, eigenvalues and Euler angles are linear in the weights: as the paper */
 #define DQA_INTERPOLATION_BURES 1  /* mean linear, covariance the Bures-Wasserstein barycentre (Agueh & Carlier 2011):
                                       the optimal transport of Gaussians; the box's frame as with LINEAR */
 
+/* Box, meshes, interpolation. */
 typedef struct dqa_shape_space_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */

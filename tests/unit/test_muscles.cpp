@@ -4,7 +4,7 @@
 #include "body/fibre_turn.hpp"
 #include "derivative_checks.hpp"
 #include "motion_fixtures.hpp"
-#include "tape/tape.hpp"
+#include "tape/adjoint.hpp"
 
 namespace {
 
@@ -112,8 +112,8 @@ void test_fibre_turn() {
         std::vector<MuscleEntry> turned = muscles;
         for (std::size_t k = 0; k < turned.size(); ++k)
             for (std::size_t j = 0; j < 3; ++j) turned[k].direction[j] += e * turn[k][j];
-        const Body body(d->set(), Vector(static_cast<std::size_t>(d->set().n_cells()), 0.0), turned,
-                        d->scene().contraction, d->scene().instructions);
+        const Body body(d->set(), {Material::corotated, Vector(static_cast<std::size_t>(d->set().n_cells()), 0.0), {}},
+                        turned, d->scene().contraction, d->scene().instructions);
         BodyWorkspace ws;
         Vector elastic(n), muscle(n);
         body.gradient(ws, q.data(), signals.data(), 1, elastic.data(), muscle.data());
