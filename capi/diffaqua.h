@@ -270,6 +270,20 @@ typedef struct dqa_adjoint dqa_adjoint;
 #define DQA_METHOD_NEWTON_PCG 0    /* Newton, conjugate gradients preconditioned by the projective-dynamics factor */
 #define DQA_METHOD_NEWTON_DIRECT 1 /* Newton with a sparse factorisation of the exact Hessian: the oracle */
 
+#define DQA_METHOD_PROJECTIVE 2    /* L-BFGS on the projective-dynamics factor (Liu et al. 2017), as the paper: no Hessian
+                                      forward; its adjoint is that of NEWTON_PCG */
+
+#define DQA_INTEGRATOR_IMPLICIT_EULER 0 /* first order, strongly damped: as the paper */
+#define DQA_INTEGRATOR_BDF2 1 /* second order at the same cost; the first step, and the first after
+                                 dqa_simulator_set_state, is one of implicit Euler */
+
+/* Elastic energy densities of the deformation gradient F with rotation R, mu = E / (2 (1 + nu)),
+ * lambda = E nu / ((1 + nu) (1 - 2 nu)). Volume terms are integrated with one point a cell, the rest with 2^dims
+ * (selective reduced integration), so that cells do not lock as nu approaches 1/2. */
+#define DQA_MATERIAL_COROTATED 0 /* mu |F - R|^2, as the paper: lambda does not enter, the uniaxial modulus is 2 mu */
+#define DQA_MATERIAL_COROTATED_VOLUME 1 /* mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2 */
+#define DQA_MATERIAL_NEO_HOOKEAN 2 /* stable neo-Hookean (Smith, de Goes & Kim 2018) with the same small-strain moduli */
+
 #define DQA_WATER_NONE 0     /* no water: the body moves in empty space */
 #define DQA_WATER_IMPLICIT 1 /* lagged coefficients in a convex dissipation of the new velocity */
 #define DQA_WATER_EXPLICIT 2 /* for comparison: drag and thrust at the start of the step, constant during it, as the
@@ -288,11 +302,16 @@ typedef struct dqa_simulator_options {
     int32_t method;              /* DQA_METHOD_* */
     int32_t water;               /* DQA_WATER_* */
     int32_t max_newton;          /* Newton iterations per step; default 50 */
-    int32_t max_linear;          /* conjugate-gradient iterations per linear solve; default 2000 */
+    int32_t max_linear;          /* conjugate-gradient iterations per linear solve, or L-BFGS iterations per step; default
+                                    2000 */
     int32_t instruction_set;     /* 0 automatic (default), 1 baseline, 2 AVX2, 3 AVX-512: speed only */
+    int32_t integrator;          /* DQA_INTEGRATOR_*: default implicit Euler */
+    int32_t material;            /* DQA_MATERIAL_*: default corotated, the paper's */
+    int32_t planar;              /* 1: no node moves along z (a constraint); default 0; of no effect in two dimensions */
+    int32_t padding_2;           /* must be 0 */
     double time_step;            /* s, > 0; default 1/30 */
     double young_modulus;        /* Pa, > 0: of the solid; cells scale it by their occupancy; default 5e6 */
-    double poisson_ratio;        /* in [0, 0.5); default 0.45 (only mu = E / (2 (1 + nu)) enters, as in the paper) */
+    double poisson_ratio;        /* in [0, 0.5); default 0.45 (of material COROTATED only mu enters) */
     double density;              /* kg/m^3, > 0; default 1000 */
     double muscle_stiffness;     /* Pa, >= 0; default 2e6 */
     double contraction;          /* c in (0, 1): a signal u commands the rest ratios 1 - c u and 1 + c u; default 0.2 */
@@ -325,6 +344,19 @@ DQA_API void dqa_simulator_free(dqa_simulator *simulator);
  * weights [n_bases] on the simplex (>= 0, sum 1 within 1e-9). On failure the old design stays. */
 DQA_API dqa_status dqa_simulator_set_weights(dqa_simulator *simulator, const double *weights, int64_t m,
                                              dqa_progress progress, void *user_data);
+
+/* Young's modulus and muscle stiffness (Pa) by cell of the full box, each [n_cells] with n = n_cells of
+ * dqa_shape_space_info, in place of the options' uniform values; NULL keeps or brings back the uniform one. Values must
+ * be > 0 (young_modulus) and >= 0 (muscle_stiffness); cells scale them by their occupancy. For this design, which is
+ * assembled anew from the density it has (state at rest, clock at 0), and for later ones. */
+DQA_API dqa_status dqa_simulator_set_material(dqa_simulator *simulator, const double *young_modulus,
+                                              const double *muscle_stiffness, int64_t n);
+/* Nodes of the full box that keep their place: indices [n] of node (i, j, k) = (i * (cells_y + 1) + j) * (cells_z + 1) +
+ * k, in two dimensions i * (cells_y + 1) + j. Those that a design does not have are ignored; n == 0 frees all. Applies
+ * as dqa_simulator_set_material does. */
+DQA_API dqa_status dqa_simulator_set_fixed_nodes(dqa_simulator *simulator, const int32_t *nodes, int64_t n);
+/* Index in the full box of each node of the design [n_nodes]. */
+DQA_API dqa_status dqa_simulator_node_box_index(const dqa_simulator *simulator, int32_t *nodes, int64_t n);
 
 /* Velocity of the water (m/s) from a table instead of options.current, for the steps from here on: linear in time
  * between velocities [n_times][dims] at times [n_times] (s, strictly increasing), constant before and after; n =
@@ -617,6 +649,12 @@ DQA_API dqa_status dqa_tape_objective(dqa_tape *tape, const dqa_objective_term *
 #define DQA_WRT_CURRENT_TABLE 7    /* [n_times][dims]: velocities of dqa_simulator_set_current_table (one row, of
                                       options.current, without a table). DQA_ERROR_STATE unless all steps of the tape
                                       were taken with that one table */
+
+#define DQA_WRT_YOUNGS_MODULUS 8    /* [n_cells] of the full box: the solid's E of each cell, Poisson's ratio held (1/Pa) */
+#define DQA_WRT_MUSCLE_STIFFNESS 9  /* [n_cells] of the full box: the muscle stiffness of each cell (1/Pa) */
+#define DQA_WRT_MATERIAL 10         /* [4]: E of all cells together, muscle stiffness of all cells together, Poisson's
+                                       ratio (E held), density */
+#define DQA_WRT_LAME 11             /* [2]: mu and lambda of all cells together, each with the other held (1/Pa) */
 
 /* A cursor over a finished tape, standing after its last step. DQA_ERROR_STATE if a controller without pullback closed a
  * loop through the sensors. */

@@ -2,6 +2,7 @@
 // The simulator's handle.
 #include <chrono>
 #include <cinttypes>
+#include <limits>
 
 #include "grid/log.hpp"
 #include "internal.hpp"
@@ -40,8 +41,14 @@ dqa_simulator_options default_options() {
 dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.flags, o.flags == 0, "flags", "0");
     require_range(o.threads, o.threads >= 1 && o.threads <= 1024, "threads", "a number in [1, 1024]");
-    require_range(o.method, o.method == DQA_METHOD_NEWTON_PCG || o.method == DQA_METHOD_NEWTON_DIRECT, "method",
-                  "DQA_METHOD_NEWTON_PCG or DQA_METHOD_NEWTON_DIRECT");
+    require_range(o.method, o.method >= DQA_METHOD_NEWTON_PCG && o.method <= DQA_METHOD_PROJECTIVE, "method",
+                  "one of DQA_METHOD_*");
+    require_range(o.integrator, o.integrator == DQA_INTEGRATOR_IMPLICIT_EULER || o.integrator == DQA_INTEGRATOR_BDF2,
+                  "integrator", "DQA_INTEGRATOR_IMPLICIT_EULER or DQA_INTEGRATOR_BDF2");
+    require_range(o.material, o.material >= DQA_MATERIAL_COROTATED && o.material <= DQA_MATERIAL_NEO_HOOKEAN,
+                  "material", "one of DQA_MATERIAL_*");
+    require_range(o.planar, o.planar == 0 || o.planar == 1, "planar", "0 or 1");
+    require_range(o.padding_2, o.padding_2 == 0, "padding_2", "0");
     require_range(o.water, o.water >= DQA_WATER_NONE && o.water <= DQA_WATER_EXPLICIT, "water", "one of DQA_WATER_*");
     require_range(o.water_faces, o.water_faces == DQA_FACES_BOTH || o.water_faces == DQA_FACES_WINDWARD, "water_faces",
                   "DQA_FACES_BOTH or DQA_FACES_WINDWARD");
@@ -80,6 +87,9 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     dqa::check_water_curves(s.hydrodynamics.drag, s.hydrodynamics.thrust, o.angle_smoothing);
     s.threads = o.threads;
     s.method = static_cast<dqa::Method>(o.method);
+    s.integrator = static_cast<dqa::Integrator>(o.integrator);
+    s.material = static_cast<dqa::Material>(o.material);
+    s.planar = o.planar != 0;
     s.water = o.water != DQA_WATER_NONE;
     s.hydrodynamics.explicit_forces = o.water == DQA_WATER_EXPLICIT;
     s.hydrodynamics.windward_only = o.water_faces == DQA_FACES_WINDWARD;
@@ -108,6 +118,39 @@ void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
     if (!tape->state->tape->continues(*simulator->simulation))
         fail(Status::ERROR_STATE,
              "tape does not end at the simulator's present state (design, state or clock changed); clear it first");
+}
+
+// A new design takes the place of the old one; nothing here can fail.
+void put_design(dqa_simulator* simulator, std::unique_ptr<dqa::Simulation> simulation,
+                std::chrono::steady_clock::time_point start) {
+    if (simulator->current) simulation->set_current(simulator->current);
+    simulator->simulation = std::move(simulation);
+    simulator->newton_iterations = simulator->linear_iterations = 0;
+    simulator->adjoint_iterations->store(0);
+    simulator->last_residual = 0.0;
+    simulator->setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The scene changes, and with it the present design if there is one.
+void put_scene(dqa_simulator* simulator, const dqa::SceneSettings& scene) {
+    const auto start = std::chrono::steady_clock::now();
+    if (simulator->simulation) {
+        auto design = std::make_shared<const dqa::Design>(simulator->simulation->design(), scene);
+        put_design(simulator, std::make_unique<dqa::Simulation>(std::move(design)), start);
+    }
+    simulator->scene = scene;
+}
+
+// Checked copy of one value per cell of the box; null for NULL.
+std::shared_ptr<const std::vector<double>> cell_values(const double* values, int64_t n, const char* name,
+                                                       double least) {
+    if (!values) return nullptr;
+    require_finite(values, n, name);
+    for (int64_t k = 0; k < n; ++k)
+        if (values[k] < least)
+            fail(Status::ERROR_ARGUMENT, "%s[%" PRId64 "] is %g, expected a modulus %s 0 (Pa)", name, k, values[k],
+                 least > 0.0 ? ">" : ">=");
+    return std::make_shared<const std::vector<double>>(values, values + n);
 }
 
 void count(dqa_simulator* simulator, const dqa::StepReport& report) {
@@ -182,12 +225,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
             shape_monitor(progress, user_data, simulator->space->settings().tolerance, simulator->scene.cancel));
         auto simulation = std::make_unique<dqa::Simulation>(design);
         if (progress && progress(100, 100, user_data)) fail(Status::CANCELLED, "cancelled by the progress callback");
-        if (simulator->current) simulation->set_current(simulator->current);
-        simulator->simulation = std::move(simulation);
-        simulator->newton_iterations = simulator->linear_iterations = 0;
-        simulator->adjoint_iterations->store(0);
-        simulator->last_residual = 0.0;
-        simulator->setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        put_design(simulator, std::move(simulation), start);
         dqa::log_message(dqa::LogLevel::info,
                          "design set: %d cells, %d nodes, %d faces, %lld factor entries; %.3g s, of which %.3g s for "
                          "the barycentre (%d iterations)",
@@ -234,6 +272,48 @@ dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_curr
                     fail(Status::CANCELLED, "cancelled by the pullback of the current at time %g s", time);
             };
         use_current(simulator, std::make_shared<dqa::WaterCurrent>(value, back));
+    });
+}
+
+dqa_status dqa_simulator_set_material(dqa_simulator* simulator, const double* young_modulus,
+                                      const double* muscle_stiffness, int64_t n) {
+    return guard([&] {
+        require(simulator, "simulator");
+        const int64_t cells = simulator->space->box().n_cells();
+        if (young_modulus || muscle_stiffness)
+            require_count(n, cells, "n", "young_modulus and muscle_stiffness [n_cells]");
+        dqa::SceneSettings scene = simulator->scene;
+        scene.young_of_cell = cell_values(young_modulus, n, "young_modulus", std::numeric_limits<double>::min());
+        scene.muscle_of_cell = cell_values(muscle_stiffness, n, "muscle_stiffness", 0.0);
+        put_scene(simulator, scene);
+    });
+}
+
+dqa_status dqa_simulator_set_fixed_nodes(dqa_simulator* simulator, const int32_t* nodes, int64_t n) {
+    return guard([&] {
+        require(simulator, "simulator");
+        if (n != 0) require(nodes, "nodes");
+        const int all = simulator->space->box().n_nodes();
+        if (n < 0 || n > all) fail(Status::ERROR_ARGUMENT, "n is %" PRId64 ", expected a number in [0, %d]", n, all);
+        for (int64_t k = 0; k < n; ++k)
+            if (nodes[k] < 0 || nodes[k] >= all)
+                fail(Status::ERROR_ARGUMENT, "nodes[%" PRId64 "] is %d, expected an index in [0, %d)", k, nodes[k],
+                     all);
+        dqa::SceneSettings scene = simulator->scene;
+        scene.fixed_nodes.assign(nodes, nodes + n);
+        put_scene(simulator, scene);
+    });
+}
+
+dqa_status dqa_simulator_node_box_index(const dqa_simulator* simulator, int32_t* nodes, int64_t n) {
+    return guard([&] {
+        const dqa::Design& d = design_of(simulator).design();
+        require(nodes, "nodes");
+        require_count(n, d.n_nodes(), "n", "nodes [n_nodes]");
+        for (std::size_t k = 0; k < d.set().node_ijk.size(); ++k) {
+            const auto& ijk = d.set().node_ijk[k];
+            nodes[k] = d.set().box.node(ijk[0], ijk[1], ijk[2]);
+        }
     });
 }
 

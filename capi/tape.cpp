@@ -279,7 +279,7 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
     return guard([&] {
         require(adjoint, "adjoint"), require(out, "out");
         dqa::Adjoint& a = *adjoint->core;
-        require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_CURRENT_TABLE,
+        require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_LAME,
                       "with_respect_to", "one of DQA_WRT_*");
         if (with_respect_to != DQA_WRT_ACTUATION && with_respect_to != DQA_WRT_CURRENT &&
             (!a.begun() || a.position() > 0))
@@ -308,6 +308,18 @@ dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double
             }
             case DQA_WRT_CURRENT:
                 give_rows(a.current_bar(), "[n_steps][dims]");
+                break;
+            case DQA_WRT_YOUNGS_MODULUS:
+                give(a.material_bar().young, "[n_cells]");
+                break;
+            case DQA_WRT_MUSCLE_STIFFNESS:
+                give(a.material_bar().muscle, "[n_cells]");
+                break;
+            case DQA_WRT_MATERIAL:
+                give(dqa::material_vector(a.material_bar()), "[4]");
+                break;
+            case DQA_WRT_LAME:
+                give({a.material_bar().lame_mu, a.material_bar().lame_lambda}, "[2]");
                 break;
             case DQA_WRT_CURRENT_TABLE:
                 give_rows(a.current_table_bar(), "[n_times][dims]");
@@ -348,8 +360,7 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
         if (report_size < 8)
             fail(Status::ERROR_ARGUMENT, "report_size is %" PRIu64 ", expected sizeof of the struct", report_size);
         require_range(o.flags, o.flags == 0, "flags", "0");
-        require_range(o.with_respect_to,
-                      o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_CURRENT_TABLE,
+        require_range(o.with_respect_to, o.with_respect_to >= DQA_WRT_WEIGHTS && o.with_respect_to <= DQA_WRT_LAME,
                       "with_respect_to", "one of DQA_WRT_*");
         require_range(o.n_steps, o.n_steps >= 1 && o.n_steps <= 10000, "n_steps", "a number in [1, 10000]");
         require_range(o.step, o.step >= 0, "step", "a number >= 0");

@@ -34,7 +34,22 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
     const auto start = std::chrono::steady_clock::now();
     point_ = space_->evaluate(weights, scene.shape_tolerance, scene.threads, monitor);
     barycenter_seconds_ = seconds_since(start);
+    assemble();
+}
+
+Design::Design(const Design& other, const SceneSettings& scene)
+    : space_(other.space_),
+      scene_(scene),
+      point_(other.point_),
+      occupancy_law_(scene.threshold, scene.occupancy_floor),
+      barycenter_seconds_(other.barycenter_seconds_) {
+    assemble();
+}
+
+// Everything that follows from the shape and the scene.
+void Design::assemble() {
     const Box& box = space_->box();
+    const SceneSettings& scene = scene_;
     std::vector<char> mask(point_.p_hat.size());
     for (std::size_t c = 0; c < mask.size(); ++c) mask[c] = occupancy_law_.active(point_.p_hat[c]);
     set_ = make_active_set(box, mask);
@@ -42,19 +57,21 @@ Design::Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double
         fail(Status::ERROR_ARGUMENT, "threshold is %g: no cell is left to simulate", scene.threshold);
     rest_ = set_.rest_positions();
     const double node_mass = scene.density * box.dx * box.dx * box.dx / 8.0;
+    std::vector<double> muscle_stiffness;
     Elasticity elasticity;
     elasticity.material = scene.material;
     mass_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
     for (int a = 0; a < set_.n_cells(); ++a) {
-        const double g =
-            occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(set_.cells[static_cast<std::size_t>(a)])]);
+        const int cell = set_.cells[static_cast<std::size_t>(a)];
+        const double g = occupancy_law_.value(point_.p_hat[static_cast<std::size_t>(cell)]);
         occupancy_.push_back(g);
-        elasticity.mu.push_back(scene.lame_mu() * g);
-        elasticity.lambda.push_back(scene.lame_lambda() * g);
+        elasticity.mu.push_back(scene.unit_mu() * scene.young(cell) * g);
+        elasticity.lambda.push_back(scene.unit_lambda() * scene.young(cell) * g);
+        muscle_stiffness.push_back(scene.muscle(cell));
         for (const int n : set_.cell_nodes[static_cast<std::size_t>(a)])
             mass_[static_cast<std::size_t>(n)] += node_mass * g;
     }
-    muscles_ = Muscles(*space_, point_, set_, occupancy_, scene.muscle_stiffness);
+    muscles_ = Muscles(*space_, point_, set_, occupancy_, muscle_stiffness);
     body_ = std::make_unique<Body>(set_, elasticity, muscles_.entries(), scene.contraction, scene.instructions);
     if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
@@ -188,12 +205,32 @@ DesignBar Design::zero_bar() const {
     return bar;
 }
 
+MaterialBar Design::material_bar(const DesignBar& bar) const {
+    MaterialBar out;
+    out.young.assign(static_cast<std::size_t>(space_->box().n_cells()), 0.0);
+    out.muscle = out.young;
+    std::vector<double> muscle(occupancy_.size(), 0.0);
+    muscles_.stiffness_pullback(bar.muscle_weight, muscle);
+    for (std::size_t a = 0; a < occupancy_.size(); ++a) {
+        const std::size_t c = static_cast<std::size_t>(set_.cells[a]);
+        const double g = occupancy_[a], mu = g * bar.mu[a], lambda = g * bar.lambda[a];
+        out.young[c] = scene_.unit_mu() * mu + scene_.unit_lambda() * lambda;
+        out.muscle[c] = muscle[a];
+        out.poisson +=
+            scene_.young(set_.cells[a]) * (scene_.unit_mu_by_poisson() * mu + scene_.unit_lambda_by_poisson() * lambda);
+        out.lame_mu += mu, out.lame_lambda += lambda;
+    }
+    for (std::size_t n = 0; n < mass_.size(); ++n) out.density += bar.mass[n] * mass_[n] / scene_.density;
+    return out;
+}
+
 std::vector<double> Design::weights_bar(const DesignBar& bar, const std::function<void(int, double)>& monitor) const {
     const Box& box = space_->box();
     const double node_mass = scene_.density * box.dx * box.dx * box.dx / 8.0;
     std::vector<double> occupancy_bar(bar.occupancy);
     for (std::size_t a = 0; a < occupancy_.size(); ++a) {
-        occupancy_bar[a] += scene_.lame_mu() * bar.mu[a] + scene_.lame_lambda() * bar.lambda[a];
+        occupancy_bar[a] +=
+            scene_.young(set_.cells[a]) * (scene_.unit_mu() * bar.mu[a] + scene_.unit_lambda() * bar.lambda[a]);
         for (const int node : set_.cell_nodes[a]) {
             const std::size_t n = static_cast<std::size_t>(node);
             occupancy_bar[a] += node_mass * bar.mass[n] + spine_hat_[n] / 8.0 * bar.spine[n];

@@ -31,10 +31,19 @@ struct DesignBar {
     WaterParameterBar water;
 };
 
+// Cotangents of a scene's material. Of solid moduli: cells scale them by their occupancy.
+struct MaterialBar {
+    std::vector<double> young, muscle;    // [n_box_cells] by Young's modulus (Poisson's ratio held), muscle stiffness
+    double poisson = 0.0, density = 0.0;  // Young's modulus held
+    double lame_mu = 0.0, lame_lambda = 0.0;  // of all cells together, the other one held
+};
+
 class Design {
 public:
     Design(std::shared_ptr<const ShapeSpace> space, const std::vector<double>& weights, const SceneSettings& scene,
            const std::function<void(int, double)>& monitor);
+    // The same shape in another scene: no new barycentre.
+    Design(const Design& other, const SceneSettings& scene);
 
     const ShapeSpace& space() const { return *space_; }
     const SceneSettings& scene() const { return scene_; }
@@ -62,9 +71,11 @@ public:
 
     DesignBar zero_bar() const;
     // dL/dalpha, mean-free.
+    MaterialBar material_bar(const DesignBar& bar) const;
     std::vector<double> weights_bar(const DesignBar& bar, const std::function<void(int, double)>& monitor) const;
 
 private:
+    void assemble();
     void make_factor();
     void make_spine();
     void make_constraints();

@@ -20,7 +20,7 @@ double caudal_side(int group, const Vec3& x, double dx) {
 }  // namespace
 
 Muscles::Muscles(const ShapeSpace& space, const ShapePoint& point, const ActiveSet& set,
-                 const std::vector<double>& occupancy, double stiffness)
+                 const std::vector<double>& occupancy, const std::vector<double>& stiffness)
     : stiffness_(stiffness), fibres_turn_(space.fibres_turn()) {
     const Box& box = set.box;
     for (int s = 0; s < static_cast<int>(space.slots().size()); ++s) {
@@ -44,12 +44,18 @@ Muscles::Muscles(const ShapeSpace& space, const ShapePoint& point, const ActiveS
                 m.signal = category.first_signal + (caudal ? 0 : g);
                 m.sign = caudal && g == 1 ? -1.0 : 1.0;
                 m.direction = direction;
-                m.weight = stiffness * occupancy[static_cast<std::size_t>(a)] * member * share * actuator.strength;
+                const double of_stiffness = occupancy[static_cast<std::size_t>(a)] * member * share * actuator.strength;
+                m.weight = stiffness[static_cast<std::size_t>(a)] * of_stiffness;
                 entries_.push_back(m);
-                origins_.push_back({s, g});
+                origins_.push_back({s, g, of_stiffness});
             }
         }
     }
+}
+
+void Muscles::stiffness_pullback(const std::vector<double>& weight_bar, std::vector<double>& stiffness_bar) const {
+    for (std::size_t e = 0; e < entries_.size(); ++e)
+        stiffness_bar[static_cast<std::size_t>(entries_[e].cell)] += origins_[e].share * weight_bar[e];
 }
 
 void Muscles::pullback(const ShapeSpace& space, const ShapePoint& point, const ActiveSet& set,
@@ -72,7 +78,7 @@ void Muscles::pullback(const ShapeSpace& space, const ShapePoint& point, const A
         const double member = region.membership(x);
         const double share = caudal ? caudal_side(g, x, box.dx)
                                     : region.group_share(x, slot.half, category.layers, g / kBands, g % kBands);
-        const double scale = stiffness_ * weight_bar[e], g_strength = occupancy[a] * actuator.strength;
+        const double scale = stiffness_[a] * weight_bar[e], g_strength = occupancy[a] * actuator.strength;
         occupancy_bar[a] += scale * member * share * actuator.strength;
         bar.strength += scale * member * share * occupancy[a];
         region.membership_pullback(x, scale * share * g_strength, bar);

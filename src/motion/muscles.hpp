@@ -17,9 +17,9 @@ namespace dqa {
 class Muscles {
 public:
     Muscles() = default;
-    // occupancy [n_active_cells]; stiffness Pa.
+    // occupancy and stiffness (Pa) [n_active_cells].
     Muscles(const ShapeSpace& space, const ShapePoint& point, const ActiveSet& set,
-            const std::vector<double>& occupancy, double stiffness);
+            const std::vector<double>& occupancy, const std::vector<double>& stiffness);
 
     const std::vector<MuscleEntry>& entries() const { return entries_; }
     // Whether directions depend on the weights alpha: only then are their cotangents of use.
@@ -32,11 +32,15 @@ public:
                   const std::vector<Vec3>& direction_bar, std::vector<double>& occupancy_bar,
                   std::vector<ActuatorBar>& actuators_bar) const;
 
+    // Cotangents of the stiffness, added to [n_active_cells].
+    void stiffness_pullback(const std::vector<double>& weight_bar, std::vector<double>& stiffness_bar) const;
+
 private:
     struct Origin {
         int slot, group;
+        double share;  // of the cell's stiffness
     };
-    double stiffness_ = 0.0;
+    std::vector<double> stiffness_;
     bool fibres_turn_ = false;
     std::vector<MuscleEntry> entries_;
     std::vector<Origin> origins_;

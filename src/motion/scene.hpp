@@ -41,9 +41,22 @@ struct SceneSettings {
     WaterSettings hydrodynamics;
     std::shared_ptr<std::atomic<int>> cancel;  // may be null; non-zero asks to stop
 
-    double lame_mu() const { return young_modulus / (2.0 * (1.0 + poisson_ratio)); }
-    double lame_lambda() const {
-        return young_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
+    // By cell of the box, in place of young_modulus and muscle_stiffness where not null (Pa, [n_box_cells]).
+    std::shared_ptr<const std::vector<double>> young_of_cell, muscle_of_cell;
+
+    double young(int box_cell) const {
+        return young_of_cell ? (*young_of_cell)[static_cast<std::size_t>(box_cell)] : young_modulus;
+    }
+    double muscle(int box_cell) const {
+        return muscle_of_cell ? (*muscle_of_cell)[static_cast<std::size_t>(box_cell)] : muscle_stiffness;
+    }
+    // Lame's parameters of Young's modulus 1, and their derivatives by Poisson's ratio.
+    double unit_mu() const { return 1.0 / (2.0 * (1.0 + poisson_ratio)); }
+    double unit_lambda() const { return poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio)); }
+    double unit_mu_by_poisson() const { return -0.5 / ((1.0 + poisson_ratio) * (1.0 + poisson_ratio)); }
+    double unit_lambda_by_poisson() const {
+        const double d = (1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio);
+        return (1.0 + 2.0 * poisson_ratio * poisson_ratio) / (d * d);
     }
 };
 

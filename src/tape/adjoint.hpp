@@ -37,6 +37,7 @@ public:
     std::vector<Vec3> current_table_bar() const;
     // Uniform current (its sum over the steps) [3], density, ordinates of drag [4] and thrust [4].
     std::vector<double> water_bar() const;
+    MaterialBar material_bar() const { return tape_->design().material_bar(bar_); }
     const std::vector<double>& position_bar() const { return state_bar_.q; }
     const std::vector<double>& velocity_bar() const { return state_bar_.v; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "grid/error.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 constexpr int kLevels = 6;           // steps of the ladder
 constexpr double kRatio = 0.25;      // between them
-constexpr double kAgreement = 2e-8;  // of neighbouring estimates: smaller steps would only add rounding
+constexpr double kAgreement = 2e-8;  // of neighbouring entries: smaller steps would only add rounding
 
 // splitmix64: the same direction everywhere for the same seed.
 struct Random {
@@ -32,6 +33,7 @@ struct Inputs {
     std::vector<double> weights, theta, actuation, q, v;
     std::vector<double> water;  // as Adjoint::water_bar; the uniform current is added to the others
     std::vector<double> current, current_table;
+    std::vector<double> young, muscle, material, lame;  // as in WithRespectTo
 };
 
 class Rollout {
@@ -51,6 +53,11 @@ public:
         scene_.max_linear = std::max(scene_.max_linear, 5000);
         base_.weights = origin_->point().barycenter.weights;
         base_.q = simulation.q(), base_.v = simulation.v();
+        const Box& box = origin_->set().box;
+        for (int c = 0; c < box.n_cells(); ++c)
+            base_.young.push_back(scene_.young(c)), base_.muscle.push_back(scene_.muscle(c));
+        base_.material = {0.0, 0.0, scene_.poisson_ratio, scene_.density};  // the moduli are added to all cells
+        base_.lame = {scene_.unit_mu() * scene_.young_modulus, scene_.unit_lambda() * scene_.young_modulus};
         const WaterSettings& water = scene_.hydrodynamics;
         base_.water = {0.0, 0.0, 0.0, water.density};
         base_.water.insert(base_.water.end(), water.drag.begin(), water.drag.end());
@@ -76,7 +83,9 @@ public:
         auto design = design_;
         if (changed == WithRespectTo::weights && in.weights != base_.weights) design = design_for(in.weights, scene_);
         if (changed == WithRespectTo::water && in.water != base_.water)
-            design = design_for(in.weights, in_water(in.water));
+            design = std::make_shared<Design>(*design_, in_water(in.water));
+        if (changed >= WithRespectTo::young_modulus)
+            design = std::make_shared<Design>(*design_, of_material(in, changed));
         Simulation simulation(design);
         set_state(simulation, in);
         auto tape = std::make_shared<Tape>(0);
@@ -116,6 +125,23 @@ private:
         scene.hydrodynamics.density = parameters[3];
         std::copy_n(parameters.begin() + 4, 4, scene.hydrodynamics.drag.begin());
         std::copy_n(parameters.begin() + 8, 4, scene.hydrodynamics.thrust.begin());
+        return scene;
+    }
+
+    SceneSettings of_material(const Inputs& in, WithRespectTo changed) const {
+        SceneSettings scene = scene_;
+        if (changed == WithRespectTo::lame) {
+            const double mu = in.lame[0], lambda = in.lame[1];
+            scene.young_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+            scene.poisson_ratio = 0.5 * lambda / (lambda + mu);
+            return scene;
+        }
+        auto young = std::make_shared<std::vector<double>>(in.young),
+             muscle = std::make_shared<std::vector<double>>(in.muscle);
+        for (double& e : *young) e += in.material[0];
+        for (double& w : *muscle) w += in.material[1];
+        scene.young_of_cell = young, scene.muscle_of_cell = muscle;
+        scene.poisson_ratio = in.material[2], scene.density = in.material[3];
         return scene;
     }
 
@@ -179,6 +205,11 @@ std::vector<double> simplex_direction(const std::vector<double>& weights, Random
 
 }  // namespace
 
+std::vector<double> material_vector(const MaterialBar& bar) {
+    return {std::accumulate(bar.young.begin(), bar.young.end(), 0.0),
+            std::accumulate(bar.muscle.begin(), bar.muscle.end(), 0.0), bar.poisson, bar.density};
+}
+
 GradientCheckReport check_gradient(const Simulation& simulation, const Controller* controller,
                                    const std::vector<ObjectiveTerm>& terms, const GradientCheckSettings& settings) {
     const WithRespectTo quantity = settings.quantity;
@@ -186,6 +217,8 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
         fail(Status::ERROR_ARGUMENT, "controller is NULL, expected one: with_respect_to is CONTROL");
     if (quantity == WithRespectTo::weights && simulation.design().space().bases().size() < 2)
         fail(Status::ERROR_ARGUMENT, "with_respect_to is WEIGHTS: expected at least two bases, the space has one");
+    if (quantity == WithRespectTo::lame && simulation.design().scene().young_of_cell)
+        fail(Status::ERROR_ARGUMENT, "with_respect_to is LAME: expected one Young's modulus for all cells");
     if (quantity == WithRespectTo::current_table && simulation.current()->rows().empty())
         fail(Status::ERROR_ARGUMENT,
              "with_respect_to is CURRENT_TABLE: expected a current from a table, not a callback");
@@ -232,6 +265,23 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
             field = quantity == WithRespectTo::current ? &Inputs::current : &Inputs::current_table;
             for (double& x : direction.*field) x = random();
             if (!(first_step > 0)) first_step = 4e-3;
+            break;
+        case WithRespectTo::young_modulus:
+        case WithRespectTo::muscle_stiffness:
+            field = quantity == WithRespectTo::young_modulus ? &Inputs::young : &Inputs::muscle;
+            for (double& x : direction.*field) x *= random();
+            if (!(first_step > 0)) first_step = 5e-3;
+            break;
+        case WithRespectTo::material:
+            field = &Inputs::material;
+            direction.material = {random() * rollout.base().young[0], random() * rollout.base().muscle[0],
+                                  0.1 * random(), random() * rollout.base().material[3]};
+            if (!(first_step > 0)) first_step = 1e-2;
+            break;
+        case WithRespectTo::lame:
+            field = &Inputs::lame;
+            for (double& x : direction.lame) x *= random();
+            if (!(first_step > 0)) first_step = 1e-2;
             break;
     }
     // In two dimensions there is no motion along z.
@@ -284,6 +334,18 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
             for (const Vec3& row : table_bar) gradient.insert(gradient.end(), row.begin(), row.end());
             break;
         }
+        case WithRespectTo::young_modulus:
+            gradient = adjoint.material_bar().young;
+            break;
+        case WithRespectTo::muscle_stiffness:
+            gradient = adjoint.material_bar().muscle;
+            break;
+        case WithRespectTo::material:
+            gradient = material_vector(adjoint.material_bar());
+            break;
+        case WithRespectTo::lame:
+            gradient = {adjoint.material_bar().lame_mu, adjoint.material_bar().lame_lambda};
+            break;
     }
     const std::vector<double>& d = direction.*field;
     for (std::size_t i = 0; i < gradient.size(); ++i) {
@@ -300,29 +362,32 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
             for (double& w : in.weights) w = std::max(0.0, w) / sum;
         return rollout.loss(in, quantity);
     };
-    double estimate[kLevels], remainder[kLevels], step[kLevels];
+    // Ridders' tableau (1982): row k holds the five-point difference of step k and its extrapolations with the rows
+    // before, which cancel one order of the truncation error each. The entry that its neighbours confirm best is taken,
+    // without a look at the adjoint: large steps would be truncated, small ones drown in the rounding of the loss.
+    double tableau[kLevels][kLevels], remainder[kLevels], step[kLevels];
+    double agreement = std::numeric_limits<double>::infinity();
     int levels = 0;
     while (levels < kLevels) {
         const int k = levels++;
         const double e = step[k] = first_step * std::pow(kRatio, k);
         const double f1 = at(e), f2 = at(2 * e);
         if (report.one_sided)
-            estimate[k] = (-25.0 * loss + 48.0 * f1 - 36.0 * f2 + 16.0 * at(3 * e) - 3.0 * at(4 * e)) / (12.0 * e);
+            tableau[k][0] = (-25.0 * loss + 48.0 * f1 - 36.0 * f2 + 16.0 * at(3 * e) - 3.0 * at(4 * e)) / (12.0 * e);
         else
-            estimate[k] = (8.0 * (f1 - at(-e)) - (f2 - at(-2 * e))) / (12.0 * e);
+            tableau[k][0] = (8.0 * (f1 - at(-e)) - (f2 - at(-2 * e))) / (12.0 * e);
+        if (k == 0) report.finite_difference = tableau[0][0], report.step = e;
+        for (int j = 1; j <= k; ++j) {
+            const int order = report.one_sided ? 3 + j : 2 + 2 * j;
+            const double gain = std::pow(kRatio, -order);
+            tableau[k][j] = (gain * tableau[k][j - 1] - tableau[k - 1][j - 1]) / (gain - 1.0);
+            const double spread = std::max(std::fabs(tableau[k][j] - tableau[k][j - 1]),
+                                           std::fabs(tableau[k][j] - tableau[k - 1][j - 1]));
+            if (spread < agreement) agreement = spread, report.finite_difference = tableau[k][j], report.step = e;
+        }
         remainder[k] = std::fabs(f1 - loss - e * report.adjoint);
-        if (k > 0 && std::fabs(estimate[k] - estimate[k - 1]) <= kAgreement * std::fabs(estimate[k])) break;
+        if (agreement <= kAgreement * std::fabs(report.finite_difference)) break;
     }
-    // The best step is the first that agrees with its neighbour to far better than is asked for, or where neighbours of
-    // the whole ladder agree best: decided without a look at the adjoint.
-    int best = levels < kLevels ? levels - 1 : 1;
-    double agreement = std::numeric_limits<double>::infinity();
-    for (int k = 1; levels == kLevels && k + 1 < kLevels; ++k) {
-        const double spread = std::fabs(estimate[k] - estimate[k - 1]) + std::fabs(estimate[k] - estimate[k + 1]);
-        if (spread < agreement) agreement = spread, best = k;
-    }
-    report.finite_difference = estimate[best];
-    report.step = step[best];
     const double error = std::fabs(report.adjoint - report.finite_difference);
     report.relative_error = error == 0.0 ? 0.0 : error / std::fabs(report.finite_difference);
     // Slope of the remainder over the two smallest steps at which it stands well above the rounding of the loss.

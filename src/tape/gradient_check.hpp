@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Proof of the gradient by finite differences along one random direction: five-point stencil over a ladder of steps,
-// one-sided where the weights stand at the edge of the simplex, and the slope of the Taylor remainder.
+// Proof of the gradient by finite differences along one random direction: five-point stencil over a ladder of steps
+// with Ridders' extrapolation, one-sided where the weights stand at the edge of the simplex, and the slope of the
+// Taylor remainder.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,14 @@ enum class WithRespectTo : int {
     water = 5,
     current = 6,
     current_table = 7,
+    young_modulus = 8,     // [n_box_cells]
+    muscle_stiffness = 9,  // [n_box_cells]
+    material = 10,         // Young's modulus and muscle stiffness of all cells, Poisson's ratio, density
+    lame = 11,             // mu and lambda of all cells
 };
+
+// Cotangents by Young's modulus and muscle stiffness of all cells together, Poisson's ratio and density.
+std::vector<double> material_vector(const MaterialBar& bar);
 
 struct GradientCheckSettings {
     WithRespectTo quantity = WithRespectTo::weights;

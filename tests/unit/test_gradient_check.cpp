@@ -9,7 +9,8 @@ namespace {
 using namespace fixtures;
 
 constexpr const char* kNames[] = {"weights",          "control", "actuation", "initial position",
-                                  "initial velocity", "water",   "current",   "current table"};
+                                  "initial velocity", "water",   "current",   "current table",
+                                  "Young's modulus",  "muscles", "material",  "Lame"};
 
 void check_all(const Vector& weights, bool moving) {
     static const auto space = ellipsoid_space({14, 6, 6}, 0.07);
@@ -32,7 +33,7 @@ void check_all(const Vector& weights, bool moving) {
     if (moving)  // the clock stands at 0.1 s: one knot lies within the rollout
         s.set_current(std::make_shared<dqa::WaterCurrent>(
             std::vector<double>{0.0, 0.15, 0.3}, std::vector<Vec3>{{-0.5, 0, 0}, {-0.6, 0.1, 0}, {-0.3, 0.2, 0.1}}));
-    for (int quantity = 0; quantity < 8; ++quantity) {
+    for (int quantity = 0; quantity < 12; ++quantity) {
         GradientCheckSettings settings;
         settings.quantity = static_cast<WithRespectTo>(quantity);
         settings.n_steps = moving ? 3 : 4;
@@ -60,6 +61,41 @@ void test_vertex_from_rest() {
 }
 void test_vertex_in_motion() {
     check_all({0.0, 1.0}, true);
+}
+
+// Every material, integrator and constraint, by everything that the body depends on.
+void test_materials() {
+    static const auto space = ellipsoid_space({14, 6, 6}, 0.07);
+    struct Case {
+        Material material;
+        Integrator integrator;
+        bool planar, fixed;
+    };
+    for (const Case& c : {Case{Material::corotated_volume, Integrator::implicit_euler, false, false},
+                          Case{Material::neo_hookean, Integrator::bdf2, true, false},
+                          Case{Material::corotated_volume, Integrator::bdf2, false, true}}) {
+        SceneSettings scene;
+        scene.material = c.material, scene.integrator = c.integrator, scene.planar = c.planar;
+        if (c.fixed)
+            for (int k = 0; k < 49; ++k) scene.fixed_nodes.push_back(space->box().node(7, k / 7, k % 7));
+        scene.hydrodynamics.current = {-0.4, 0.05, 0.0};
+        auto young = std::make_shared<Vector>(), muscle = std::make_shared<Vector>();
+        for (int k = 0; k < space->box().n_cells(); ++k)
+            young->push_back(4e6 + 2e6 * std::sin(0.3 * k)), muscle->push_back(2e6 + 1e6 * std::cos(0.2 * k));
+        if (c.planar) scene.young_of_cell = young, scene.muscle_of_cell = muscle;
+        const Simulation s(make_design(scene, {0.6, 0.4}, space));
+        for (int quantity = 0; quantity < 12; ++quantity) {
+            if (quantity == 1 || (c.planar && quantity == 11)) continue;  // no controller; one modulus for all needed
+            GradientCheckSettings settings;
+            settings.quantity = static_cast<WithRespectTo>(quantity);
+            settings.n_steps = 3;
+            const GradientCheckReport r = check_gradient(s, nullptr, {{}}, settings);
+            print_message("material %d, %-17s: adjoint % .6e, error %.1e, slope %.3f\n", static_cast<int>(c.material),
+                          kNames[quantity], r.adjoint, r.relative_error, r.taylor_slope);
+            CHECK(r.gradient_norm > 0 && r.relative_error <= 1e-6);
+            NEAR(r.taylor_slope, 2.0, 0.1);
+        }
+    }
 }
 
 // The variants of the water, away from tangential flow: the force of the start of the step, and windward faces alone.
@@ -158,8 +194,8 @@ void test_loose_density() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_inside_from_rest), TEST(test_inside_in_motion), TEST(test_vertex_from_rest),
-        TEST(test_vertex_in_motion), TEST(test_loose_density),    TEST(test_water_variants),
-        TEST(test_current_function),
+        TEST(test_vertex_in_motion), TEST(test_loose_density),    TEST(test_materials),
+        TEST(test_water_variants),   TEST(test_current_function),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
