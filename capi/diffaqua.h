@@ -577,7 +577,8 @@ typedef struct dqa_tape_options {
     /* Budget for recorded inputs and states; 0: unlimited (default). Beyond it the tape keeps every 2nd, 4th, 8th ...
      * state in half of it and computes the others again when they are asked for, with the same bits and without asking
      * a controller again; every adjoint then holds states of its own, in as much as the other half. Fewer bytes than
-     * four states (positions and velocities of one, twice as much with BDF2) and all inputs are DQA_ERROR_MEMORY.
+     * four states (positions and velocities of one, twice as much with BDF2), 168 bytes a step and its actuations are
+     * DQA_ERROR_MEMORY.
      * Seeds of the caller's own and working memory of the solver are not counted. */
     int64_t memory_bytes;
 } dqa_tape_options;
@@ -619,13 +620,32 @@ typedef struct dqa_tape_statistics {
 /* `size` is sizeof(dqa_tape_statistics) as the caller compiled it. */
 DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);
 
-#define DQA_OBJECTIVE_TRAVEL 0 /* -(mean over the spine of x_N - x_0), weighted by rest occupancy (m) */
+/* Terms of a loss. Steps i = 1 ... N of the tape end at state i; c, h, t are the places of the centre, head and tail
+ * sensors (m), |x| stands for sqrt(x^2 + epsilon^2) - epsilon, which is smooth. */
+/* -(mean over the spine of x_N - x_0), weighted by rest occupancy (m; DiffAqua 2021, section 8.1) */
+#define DQA_OBJECTIVE_TRAVEL 0
+/* sum_i [ sum over coordinates of |c_i - target| - gamma (h_i - t_i).x ]  (m; section 8.2, position keeping) */
+#define DQA_OBJECTIVE_POSITION_KEEPING 1
+/* -sum_i |P_t| / (1 + |P_t| + |P_d|), with P_t, P_d the products of thrust and drag of step i over wet area (N/m^2) with
+ * the mean velocity of the spine at state i (m/s), weighted by rest occupancy (section 8.3; at most 0). Needs water. */
+#define DQA_OBJECTIVE_EFFICIENCY 2
+/* time_step * sum over steps and signals of actuation^2  (s) */
+#define DQA_OBJECTIVE_EFFORT 3
+/* sum_i |c_i - p(time of state i)|, the distance of the centre sensor from a point that moves along a polyline (m) */
+#define DQA_OBJECTIVE_PATH 4
 
 /* One term of a loss. An array of them has terms[0].struct_size as its stride. */
 typedef struct dqa_objective_term {
     uint32_t struct_size;
-    int32_t kind;    /* DQA_OBJECTIVE_* */
-    double weight;   /* the loss is the weighted sum of the terms */
+    int32_t kind;       /* DQA_OBJECTIVE_* */
+    double weight;      /* the loss is the weighted sum of the terms; default 1 */
+    double target[3];   /* m: of POSITION_KEEPING (two coordinates in 2-D); default the origin */
+    double gamma;       /* weight of the heading in POSITION_KEEPING; default 0.01 */
+    double epsilon;     /* > 0: rounds |x|; m, for EFFICIENCY W/m^2; default 1e-4 */
+    /* Of PATH: rows of (time in s on the simulator's clock, coordinates in m), times increasing; straight between the
+     * rows, at rest before the first and after the last. [n_points][1 + dims], copied by every call. */
+    const double *path;
+    int64_t n_path;     /* elements of path */
 } dqa_objective_term;
 /* Fills *term with defaults (weight 1); `size` is sizeof(dqa_objective_term) as the caller compiled it. */
 DQA_API dqa_status dqa_objective_term_init(dqa_objective_term *term, uint64_t size);

@@ -147,7 +147,7 @@ std::function<void(int, double)> shape_monitor(dqa_progress progress, void* user
                                                std::shared_ptr<std::atomic<int>> cancel);
 
 std::vector<double> read_weights(const ShapeSpace& space, const double* weights, std::int64_t m);
-std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms);
+std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms, int dims);
 const Simulation& design_of(const dqa_simulator* simulator);
 // The controller reads none of the design's sensors or all.
 void require_sensors(const Controller& controller, const Design& design);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The handles of tape and adjoint, objectives, and the proof of the gradient.
+#include <algorithm>
 #include <cinttypes>
 
 #include "internal.hpp"
@@ -19,8 +20,10 @@ dqa_tape_options default_options() {
 dqa_objective_term default_term() {
     dqa_objective_term t{};
     t.struct_size = sizeof t;
+    const dqa::ObjectiveTerm core;
     t.kind = DQA_OBJECTIVE_TRAVEL;
-    t.weight = 1.0;
+    t.weight = core.weight;
+    t.gamma = core.gamma, t.epsilon = core.epsilon;
     return t;
 }
 
@@ -50,7 +53,36 @@ void require_step(int64_t step, int64_t last, const char* name) {
 
 namespace dqa::capi {
 
-std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms) {
+namespace {
+
+[[noreturn]] void bad_term(std::int64_t k, const char* field, double value, const char* expected) {
+    fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].%s is %g, expected %s", k, field, value, expected);
+}
+
+std::vector<ObjectiveTerm::Point> read_path(const dqa_objective_term& t, std::int64_t k, int dims) {
+    if (!t.path)
+        fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].path is NULL, expected points [n_points][1 + dims]", k);
+    const std::int64_t row = 1 + dims;
+    if (t.n_path < row || t.n_path % row != 0 || t.n_path > (std::int64_t{1} << 40))
+        fail(Status::ERROR_ARGUMENT,
+             "terms[%" PRId64 "].n_path is %" PRId64 ", expected a multiple of %d: path [n_points][1 + dims]", k,
+             t.n_path, static_cast<int>(row));
+    std::vector<ObjectiveTerm::Point> out;
+    for (const double* at = t.path; at < t.path + t.n_path; at += row) {
+        ObjectiveTerm::Point p;
+        p.time = at[0];
+        for (int a = 0; a < dims; ++a) p.place[static_cast<std::size_t>(a)] = at[1 + a];
+        for (int a = 0; a < row; ++a)
+            if (!std::isfinite(at[a])) bad_term(k, "path", at[a], "finite numbers");
+        if (!out.empty() && !(p.time > out.back().time)) bad_term(k, "path", p.time, "times that increase");
+        out.push_back(p);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int64_t n_terms, int dims) {
     require(terms, "terms");
     if (n_terms < 1 || n_terms > 1000000)
         fail(Status::ERROR_ARGUMENT, "n_terms is %" PRId64 ", expected at least 1", n_terms);
@@ -62,11 +94,19 @@ std::vector<ObjectiveTerm> read_terms(const dqa_objective_term* terms, std::int6
         if (at->struct_size != stride)
             fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].struct_size is %u, expected %u as in terms[0]", k,
                  at->struct_size, stride);
-        if (t.kind != DQA_OBJECTIVE_TRAVEL)
-            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].kind is %d, expected DQA_OBJECTIVE_TRAVEL (0)", k, t.kind);
-        if (!std::isfinite(t.weight))
-            fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].weight is %g, expected a finite number", k, t.weight);
-        out.push_back({static_cast<ObjectiveKind>(t.kind), t.weight});
+        if (t.kind < DQA_OBJECTIVE_TRAVEL || t.kind > DQA_OBJECTIVE_PATH)
+            bad_term(k, "kind", t.kind, "one of DQA_OBJECTIVE_*");
+        if (!std::isfinite(t.weight)) bad_term(k, "weight", t.weight, "a finite number");
+        for (const double x : t.target)
+            if (!std::isfinite(x)) bad_term(k, "target", x, "finite coordinates (m)");
+        if (!std::isfinite(t.gamma)) bad_term(k, "gamma", t.gamma, "a finite number");
+        if (!(t.epsilon > 0 && std::isfinite(t.epsilon))) bad_term(k, "epsilon", t.epsilon, "a finite number > 0");
+        ObjectiveTerm term;
+        term.kind = static_cast<ObjectiveKind>(t.kind);
+        term.weight = t.weight, term.gamma = t.gamma, term.epsilon = t.epsilon;
+        std::copy(t.target, t.target + 3, term.target.begin());
+        if (term.kind == ObjectiveKind::path) term.path = read_path(t, k, dims);
+        out.push_back(std::move(term));
     }
     return out;
 }
@@ -192,7 +232,7 @@ dqa_status dqa_tape_objective(dqa_tape* tape, const dqa_objective_term* terms, i
                               double* per_term) {
     return guard([&] {
         const dqa::Tape& t = recorded(tape);
-        const auto list = read_terms(terms, n_terms);
+        const auto list = read_terms(terms, n_terms, t.design().set().box.dims);
         require(loss, "loss");
         *loss = t.objective(list, per_term);
     });
@@ -240,7 +280,7 @@ dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity
 dqa_status dqa_adjoint_seed_objective(dqa_adjoint* adjoint, const dqa_objective_term* terms, int64_t n_terms) {
     return guard([&] {
         require(adjoint, "adjoint");
-        adjoint->core->seed_objective(read_terms(terms, n_terms));
+        adjoint->core->seed_objective(read_terms(terms, n_terms, adjoint->core->tape().design().set().box.dims));
     });
 }
 
@@ -354,7 +394,7 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
                               uint64_t report_size) {
     return guard([&] {
         const dqa::Simulation& simulation = design_of(simulator);
-        const auto list = read_terms(terms, n_terms);
+        const auto list = read_terms(terms, n_terms, simulation.design().set().box.dims);
         const auto o = read_options(options, default_check(), "options");
         require(report, "report");
         if (report_size < 8)

@@ -6,16 +6,15 @@ namespace {
 
 constexpr int kOrder[] = {Sensors::head, Sensors::centre, Sensors::tail};
 
-// d(reading)/d(rest x of the sensor) . bar
-double by_place(const MaterialPoint& p, const double* field, const Vec3& bar) {
+}  // namespace
+
+double reading_by_place(const MaterialPoint& point, const double* field, const Vec3& bar) {
     double sum = 0.0;
     for (std::size_t n = 0; n < 8; ++n)
         for (std::size_t k = 0; k < 3; ++k)
-            sum += p.weight_by_x[n] * field[3 * static_cast<std::size_t>(p.node[n]) + k] * bar[k];
+            sum += point.weight_by_x[n] * field[3 * static_cast<std::size_t>(point.node[n]) + k] * bar[k];
     return sum;
 }
-
-}  // namespace
 
 int n_observed(const Design& design) {
     return 5 * design.set().box.dims;
@@ -52,8 +51,8 @@ void observe_pullback(const Design& design, const double* q, const double* v, co
     sensors.read_pullback(Sensors::tail, tail, q_bar);
     sensors.read_pullback(Sensors::centre, {-head[0] - tail[0], -head[1] - tail[1], -head[2] - tail[2]}, q_bar);
     const MaterialPoint &h = sensors.point(Sensors::head), &t = sensors.point(Sensors::tail);
-    bar.head_x += by_place(h, v, part(0)) + by_place(h, q, head);
-    bar.tail_x += by_place(t, v, part(2)) + by_place(t, q, tail);
+    bar.head_x += reading_by_place(h, v, part(0)) + reading_by_place(h, q, head);
+    bar.tail_x += reading_by_place(t, v, part(2)) + reading_by_place(t, q, tail);
 }
 
 std::vector<double> actuation_of(const Controller& controller, const Simulation& simulation) {

@@ -17,6 +17,9 @@ std::vector<double> observe(const Design& design, const double* q, const double*
 void observe_pullback(const Design& design, const double* q, const double* v, const double* observation_bar,
                       double* q_bar, double* v_bar, DesignBar& bar);
 
+// Derivative of the reading of a field at a sensor by the sensor's rest x, times bar.
+double reading_by_place(const MaterialPoint& point, const double* field, const Vec3& bar);
+
 // The controller's actuation [n_signals] for the next step of a simulation.
 std::vector<double> actuation_of(const Controller& controller, const Simulation& simulation);
 

@@ -326,6 +326,46 @@ WaterTotals Stepper::totals(const State& next) const {
     return water ? water->totals(water_, next.q.data(), base_.data(), beta_) : WaterTotals{};
 }
 
+void Stepper::totals_pullback(const State& now, const StepInput& input, const State& next,
+                              const WaterTotals& totals_bar, State& next_bar, StepBar& out, DesignBar& bar) {
+    for (auto* field : {&out.state.q, &out.state.v}) field->assign(size_, 0.0);
+    out.state.q_before.clear(), out.state.v_before.clear();
+    out.signals.assign(static_cast<std::size_t>(design_->n_signals()), 0.0);
+    out.current = {};
+    const Water* water = design_->water();
+    if (!water) return;
+    std::vector<double> base_bar(size_, 0.0), lag_q_bar(size_, 0.0), lag_v_bar(size_, 0.0);
+    Vec3 spine_bar{};
+    with_crew(scene_.threads, [&](Threads threads) {
+        threads_ = threads;
+        begin(now, input);
+        water->totals_pullback(water_, next.q.data(), base_.data(), lag_q_.data(), totals_bar, beta_, next_bar.q.data(),
+                               base_bar.data(), lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.water,
+                               bar.occupancy.data());
+    });
+    design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
+    begin_pullback(base_bar, std::vector<double>(size_, 0.0), lag_q_bar, lag_v_bar, out.state);
+}
+
+void Stepper::begin_pullback(const std::vector<double>& base_bar, const std::vector<double>& velocity_bar,
+                             const std::vector<double>& lag_q_bar, const std::vector<double>& lag_v_bar,
+                             State& bar) const {
+    if (two_step_) {
+        bar.q_before.resize(size_), bar.v_before.resize(size_);
+        for (std::size_t i = 0; i < size_; ++i) {
+            bar.q[i] += 4.0 / 3.0 * base_bar[i] + 2.0 * lag_q_bar[i];
+            bar.v[i] += 4.0 / 3.0 * velocity_bar[i] + 2.0 * lag_v_bar[i];
+            bar.q_before[i] = -base_bar[i] / 3.0 - lag_q_bar[i];
+            bar.v_before[i] = -velocity_bar[i] / 3.0 - lag_v_bar[i];
+        }
+    } else {
+        for (std::size_t i = 0; i < size_; ++i) {
+            bar.q[i] += base_bar[i] + lag_q_bar[i];
+            bar.v[i] += velocity_bar[i] + lag_v_bar[i];
+        }
+    }
+}
+
 AdjointReport Stepper::adjoint(const State& now, const StepInput& input, const State& next, long step,
                                const State& next_bar, StepBar& out, DesignBar& bar) {
     AdjointReport report;
@@ -427,20 +467,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
                         lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.water, bar.occupancy.data());
         design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
     }
-    if (two_step_) {
-        out.state.q_before.resize(size_), out.state.v_before.resize(size_);
-        for (std::size_t i = 0; i < size_; ++i) {
-            out.state.q[i] += 4.0 / 3.0 * base_bar[i] + 2.0 * lag_q_bar[i];
-            out.state.v[i] += 4.0 / 3.0 * velocity_bar[i] + 2.0 * lag_v_bar[i];
-            out.state.q_before[i] = -base_bar[i] / 3.0 - lag_q_bar[i];
-            out.state.v_before[i] = -velocity_bar[i] / 3.0 - lag_v_bar[i];
-        }
-    } else {
-        for (std::size_t i = 0; i < size_; ++i) {
-            out.state.q[i] += base_bar[i] + lag_q_bar[i];
-            out.state.v[i] += velocity_bar[i] + lag_v_bar[i];
-        }
-    }
+    begin_pullback(base_bar, velocity_bar, lag_q_bar, lag_v_bar, out.state);
     return report;
 }
 

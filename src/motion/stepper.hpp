@@ -53,6 +53,9 @@ public:
     // next_bar.before may be empty.
     AdjointReport adjoint(const State& now, const StepInput& input, const State& next, long step, const State& next_bar,
                           StepBar& out, DesignBar& bar);
+    // Pullback of the totals of a step to `next`: added to next_bar (q) and bar, the rest gives out (overwritten).
+    void totals_pullback(const State& now, const StepInput& input, const State& next, const WaterTotals& totals_bar,
+                         State& next_bar, StepBar& out, DesignBar& bar);
 
 private:
     struct Evaluation {
@@ -64,6 +67,9 @@ private:
     AdjointReport pull_back(const State& now, const StepInput& input, const State& next, long step,
                             const State& next_bar, StepBar& out, DesignBar& bar);
     void begin(const State& now, const StepInput& input);
+    // Cotangents of what begin() made of the old state, back to it.
+    void begin_pullback(const std::vector<double>& base_bar, const std::vector<double>& velocity_bar,
+                        const std::vector<double>& lag_q_bar, const std::vector<double>& lag_v_bar, State& bar) const;
     Evaluation evaluate(const double* q_new, const double* signals);
     void apply_hessian(const double* p, double* out);  // of the free coordinates; the identity on the others
     void full_product(const double* p, double* out);   // of all coordinates

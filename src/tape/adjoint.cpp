@@ -36,6 +36,12 @@ void accumulate(std::vector<double>& into, const double* bar, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) into[i] += bar[i];
 }
 
+void add(StepBar& to, const StepBar& from) {
+    for (const auto field : {&State::q, &State::v, &State::q_before, &State::v_before})
+        accumulate(to.state.*field, (from.state.*field).data(), (from.state.*field).size());
+    for (std::size_t k = 0; k < 3; ++k) to.current[k] += from.current[k];
+}
+
 }  // namespace
 
 void Adjoint::seed_position(long step, const double* bar) {
@@ -55,12 +61,18 @@ void Adjoint::seed_velocity(long step, const double* bar) {
 
 void Adjoint::seed_objective(const std::vector<ObjectiveTerm>& terms) {
     if (begun_) fail(Status::ERROR_STATE, "seed_objective: the backward sweep has already begun");
-    std::vector<double> first(state_bar_.q.size(), 0.0), last(state_bar_.q.size(), 0.0);
-    for (const ObjectiveTerm& t : terms)
+    tape_->require_terms(terms);
+    for (const ObjectiveTerm& t : terms) {
+        if (t.kind != ObjectiveKind::travel) {
+            terms_.push_back(t);
+            continue;
+        }
+        std::vector<double> first(state_bar_.q.size(), 0.0), last(state_bar_.q.size(), 0.0);
         travel_pullback(tape_->design(), tape_->q(0).data(), tape_->q(tape_->n_steps()).data(), t.weight, first.data(),
                         last.data(), bar_.spine.data());
-    seed_position(0, first.data());
-    seed_position(tape_->n_steps(), last.data());
+        seed_position(0, first.data());
+        seed_position(tape_->n_steps(), last.data());
+    }
 }
 
 void Adjoint::collect(long step) {
@@ -70,6 +82,17 @@ void Adjoint::collect(long step) {
     if (!vs.empty())
         for (std::size_t i = 0; i < state_bar_.v.size(); ++i) state_bar_.v[i] += vs[i];
     qs = {}, vs = {};
+    totals_bar_ = {};
+    if (step == 0) return;  // objectives look at the states that steps lead to
+    for (const ObjectiveTerm& t : terms_)
+        state_pullback(t, tape_->design(), tape_->observed(step), tape_->time(step), t.weight, next_, state_bar_,
+                       totals_bar_, bar_);
+}
+
+void Adjoint::efforts(long step, std::vector<double>& signals_bar) const {
+    const double h = tape_->design().scene().time_step;
+    for (const ObjectiveTerm& t : terms_)
+        if (t.kind == ObjectiveKind::effort) effort_pullback(tape_->actuation(step), h, t.weight, signals_bar.data());
 }
 
 void Adjoint::control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const {
@@ -97,8 +120,17 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         const State& now = reader_.state(step);
         std::vector<double> theta_bar(theta_bar_);
         DesignBar bar(bar_);
-        const AdjointReport report = stepper_.adjoint(now, {tape_->actuation(step).data(), tape_->current(step)}, next_,
-                                                      step, state_bar_, step_bar_, bar);
+        const StepInput input{tape_->actuation(step).data(), tape_->current(step)};
+        const bool by_totals = totals_bar_.mean_drag != Vec3{} || totals_bar_.mean_thrust != Vec3{};
+        State next_bar;
+        if (by_totals) {
+            next_bar = state_bar_;
+            stepper_.totals_pullback(now, input, next_, totals_bar_, next_bar, totals_step_bar_, bar);
+        }
+        const AdjointReport report =
+            stepper_.adjoint(now, input, next_, step, by_totals ? next_bar : state_bar_, step_bar_, bar);
+        if (by_totals) add(step_bar_, totals_step_bar_);
+        efforts(step, step_bar_.signals);
         control(step, now, step_bar_, theta_bar, bar);
         iterations_ += report.linear_iterations;
         worst_residual_ = std::max(worst_residual_, report.residual);

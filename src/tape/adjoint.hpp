@@ -45,7 +45,8 @@ public:
     double worst_residual() const { return worst_residual_; }
 
 private:
-    void collect(long step);  // seeds of a state into the running cotangents
+    void collect(long step);  // seeds of a state, objectives included, into the running cotangents
+    void efforts(long step, std::vector<double>& signals_bar) const;
     // Cotangents of the controller in one step.
     void control(long step, const State& now, StepBar& out, std::vector<double>& theta_bar, DesignBar& bar) const;
 
@@ -57,7 +58,9 @@ private:
     bool begun_ = false;
     std::vector<std::vector<double>> q_seed_, v_seed_;  // per state; empty: none
     State state_bar_;                                   // running cotangents of the cursor's state
-    StepBar step_bar_;
+    StepBar step_bar_, totals_step_bar_;
+    std::vector<ObjectiveTerm> terms_;  // but travel, which seeds the first and the last state
+    WaterTotals totals_bar_;            // of the step that led to the cursor's state
     std::vector<std::vector<double>> signal_bar_;
     std::vector<Vec3> current_bar_;
     DesignBar bar_;

@@ -25,8 +25,10 @@ std::int64_t dense_bytes(const Design& design) {
     return field_bytes(design) * (is_two_step(design) ? 2 : 1);
 }
 
+// Inputs and observed numbers.
 std::int64_t input_bytes(const Design& design) {
-    return static_cast<std::int64_t>(sizeof(double)) * (design.n_signals() + 3);
+    return static_cast<std::int64_t>(sizeof(double)) * design.n_signals() +
+           static_cast<std::int64_t>(sizeof(Vec3) + sizeof(Observed));
 }
 
 std::int64_t bytes_of(const State& s) {
@@ -87,6 +89,7 @@ void Tape::begin(const Simulation& simulation) {
     if (design_) return;
     design_ = simulation.shared_design();
     states_.push_back(simulation.state());
+    observed_.push_back(observed_of(simulation));
     first_step_ = simulation.steps();
     count_bytes();
 }
@@ -95,6 +98,7 @@ void Tape::append(const Simulation& simulation, const StepInput& input, const St
     actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
     current_.push_back(input.current);
     current_source_.push_back(simulation.current());
+    observed_.push_back(observed_of(simulation));
     statistics_.bytes += input_bytes(*design_);
     if (stride_ == 1) {
         State s;
@@ -133,7 +137,7 @@ void Tape::set_controller(const Controller& controller) {
 void Tape::clear() {
     design_.reset();
     controller_.reset();
-    states_.clear(), actuation_.clear(), current_.clear(), current_source_.clear();
+    states_.clear(), observed_.clear(), actuation_.clear(), current_.clear(), current_source_.clear();
     last_ = {};
     stride_ = 1;
     first_step_ = 0;
@@ -173,11 +177,25 @@ std::int64_t Tape::n_kept() const {
     return static_cast<std::int64_t>(states_.size()) + (stride_ > 1 && n_steps() % stride_ != 0 ? 1 : 0);
 }
 
+void Tape::require_terms(const std::vector<ObjectiveTerm>& terms) const {
+    for (std::size_t k = 0; k < terms.size(); ++k)
+        if (terms[k].kind == ObjectiveKind::efficiency && !design_->water())
+            fail(Status::ERROR_ARGUMENT, "terms[%zu] is the efficiency of swimming in water, and the scene has none",
+                 k);
+}
+
 double Tape::objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const {
+    require_terms(terms);
     const std::vector<double> first = q(0), last = q(n_steps());
     double loss = 0.0;
     for (std::size_t k = 0; k < terms.size(); ++k) {
-        const double value = travel_loss(*design_, first.data(), last.data());
+        double value = 0.0;
+        if (terms[k].kind == ObjectiveKind::travel)
+            value = travel_loss(*design_, first.data(), last.data());
+        else if (terms[k].kind == ObjectiveKind::effort)
+            for (const auto& a : actuation_) value += effort_value(a, design_->scene().time_step);
+        else
+            for (long i = 1; i <= n_steps(); ++i) value += state_value(terms[k], *design_, observed(i), time(i));
         if (per_term) per_term[k] = value;
         loss += terms[k].weight * value;
     }

@@ -4,10 +4,10 @@
 // is a function of the integrator's state and recorded inputs, so these have the same bits, and no controller is asked
 // again.
 //
-// Budget: inputs of all steps, plus states. While all states are kept they may fill it; thinned out they take half of
-// it, and every reader (an adjoint has one) may hold states of its own in as much as the other half. The least budget
-// holds four states: the first and the last here, the two ends of a step in a reader. Working memory of the solver is
-// not counted.
+// Budget: inputs and observed numbers of all steps, plus states. While all states are kept they may fill it; thinned
+// out they take half of it, and every reader (an adjoint has one) may hold states of its own in as much as the other
+// half. The least budget holds four states: the first and the last here, the two ends of a step in a reader. Working
+// memory of the solver is not counted.
 //
 // Under implicit Euler velocities are not stored while all states are kept: v_{i+1} = (q_{i+1} - q_i) / h gives the
 // same bits again.
@@ -57,15 +57,18 @@ public:
     const std::vector<double>& actuation(long step) const { return actuation_[static_cast<std::size_t>(step)]; }
     // Clock of the simulation when the first step was taken: controllers see step + first_step.
     long first_step() const { return first_step_; }
-    // At the start of step `step` (s): what the simulation's clock showed.
+    // Of state `step`, where the step of this index starts (s): what the simulation's clock showed.
     double time(long step) const { return static_cast<double>(first_step_ + step) * design_->scene().time_step; }
+    const Observed& observed(long step) const { return observed_[static_cast<std::size_t>(step)]; }
 
     bool keeps(long step) const { return step % stride_ == 0 || step == n_steps(); }
     State kept_state(long step) const;
     // How many states a reader may hold beside the two ends of a step.
     long reader_slots() const;
 
+    // Weighted sum of the terms, and each of them (null: not wanted). Throws ERROR_ARGUMENT for terms that do not fit.
     double objective(const std::vector<ObjectiveTerm>& terms, double* per_term) const;
+    void require_terms(const std::vector<ObjectiveTerm>& terms) const;
 
     struct Statistics {
         std::int64_t bytes = 0, newton_iterations = 0, linear_iterations = 0;
@@ -90,6 +93,7 @@ private:
     State last_;  // if the stride is not 1
     std::vector<Vec3> current_;
     std::vector<std::shared_ptr<const WaterCurrent>> current_source_;
+    std::vector<Observed> observed_;  // of every state
     std::vector<std::vector<double>> actuation_;
     long first_step_ = 0;
     Statistics statistics_;

@@ -2,6 +2,7 @@
 #include "water/water.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "grid/parallel.hpp"
 
@@ -167,21 +168,23 @@ void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threa
     gather_.add<1>(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
 }
 
-void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
-                     const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
-                     Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const {
+template <class F>
+void Water::pull_back(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q, F&& vectors,
+                      double wet_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar, double* v_bar,
+                      Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
+                      double* occupancy_bar) const {
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];
-        const Vec3 un = force_velocity(ws, i, q_new, q_base, 1.0 / h), l = mean_of(lambda, f.nodes);
+        const Vec3 un = force_velocity(ws, i, q_new, q_base, 1.0 / h);
+        const auto [l, m] = vectors(f);
         const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i)), u = at(ws.u.data(), static_cast<int>(3 * i));
-        const double area = ws.area[i], nl = dot(n, l), nun = dot(n, un);
-        // phi = c_d l.u+ + c_t (n.l)(n.u+) + k n.l
-        const double cd_bar = dot(l, un), ct_bar = nl * nun, k_bar = nl;
+        const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
+        const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
         Vec3 n_bar{};
-        for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (l[k] * nun + un[k] * nl) + ws.k[i] * l[k];
+        for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (m[k] * nun + un[k] * nm) + ws.k[i] * m[k];
         Vec3 un_bar{};
-        for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nl * n[k];
+        for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nm * n[k];
         // Lagged coefficients back to u, n, area, weight, spine.
         const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
         const double nu = dot(n, u), x = nu / speed;
@@ -195,8 +198,8 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
             w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
         laws_.pullback(x, w * cd_bar * speed, w * ct_bar * lateral2 / speed, w * k_bar * lateral2, parameter_bar.laws);
         parameter_bar.density += w_bar * 0.5 * std::fabs(f.weight) * area * factor;
-        const double area_bar = w_bar * half_rho * std::fabs(f.weight) * factor;
-        const double weight_bar = w_bar * half_rho * area * factor;
+        const double area_bar = (w_bar * half_rho * factor + wet_bar) * std::fabs(f.weight);
+        const double weight_bar = (w_bar * half_rho * factor + wet_bar) * area;
         Vec3 u_bar{};
         for (std::size_t k = 0; k < 3; ++k) {
             u_bar[k] = x_bar * n[k] / speed + speed_bar * u[k] / speed + lateral_bar * 2.0 * (u[k] - su * ws.spine[k]);
@@ -220,6 +223,7 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
             current_bar[k] -= un_bar[k] + u_bar[k];
             for (const int node : f.nodes) {
                 q_base_bar[node + kk] -= 0.25 / h * un_bar[k];
+                if (q_new_bar) q_new_bar[node + kk] += 0.25 / h * un_bar[k];
                 v_bar[node + kk] += 0.25 * u_bar[k];
             }
         }
@@ -227,6 +231,17 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
         if (f.cell_low >= 0) occupancy_bar[f.cell_low] += jump_bar;
         if (f.cell_high >= 0) occupancy_bar[f.cell_high] -= jump_bar;
     }
+}
+
+void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
+                     const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
+                     Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const {
+    const auto vectors = [&](const Face& f) {
+        const Vec3 l = mean_of(lambda, f.nodes);
+        return std::pair{l, l};
+    };
+    pull_back(ws, q_new, q_base, lag_q, vectors, 0.0, h, nullptr, q_base_bar, q_bar, v_bar, spine_bar, current_bar,
+              parameter_bar, occupancy_bar);
 }
 
 WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
@@ -241,7 +256,26 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
     }
     for (std::size_t k = 0; k < 3 && wet > 0; ++k)
         t.mean_drag[k] = t.drag[k] / wet, t.mean_thrust[k] = t.thrust[k] / wet;
+    t.wet_area = wet;
     return t;
+}
+
+void Water::totals_pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
+                            const WaterTotals& totals_bar, double h, double* q_new_bar, double* q_base_bar,
+                            double* q_bar, double* v_bar, Vec3& spine_bar, Vec3& current_bar,
+                            WaterParameterBar& parameter_bar, double* occupancy_bar) const {
+    const WaterTotals t = totals(ws, q_new, q_base, h);
+    if (!(t.wet_area > 0)) return;
+    Vec3 drag_bar{}, thrust_bar{};  // of the sums without their sign
+    for (std::size_t k = 0; k < 3; ++k) {
+        drag_bar[k] = -totals_bar.drag[k] - totals_bar.mean_drag[k] / t.wet_area;
+        thrust_bar[k] = -totals_bar.thrust[k] - totals_bar.mean_thrust[k] / t.wet_area;
+    }
+    const double wet_bar =
+        -(dot(totals_bar.mean_drag, t.mean_drag) + dot(totals_bar.mean_thrust, t.mean_thrust)) / t.wet_area;
+    const auto vectors = [&](const Face&) { return std::pair{drag_bar, thrust_bar}; };
+    pull_back(ws, q_new, q_base, lag_q, vectors, wet_bar, h, q_new_bar, q_base_bar, q_bar, v_bar, spine_bar,
+              current_bar, parameter_bar, occupancy_bar);
 }
 
 }  // namespace dqa

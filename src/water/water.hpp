@@ -55,6 +55,7 @@ struct WaterParameterBar {
 struct WaterTotals {
     Vec3 drag{}, thrust{};            // N, on the swimmer
     Vec3 mean_drag{}, mean_thrust{};  // divided by the wet area (N/m^2)
+    double wet_area = 0.0;            // m^2
 };
 
 class Water {
@@ -81,6 +82,11 @@ public:
                   const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
                   Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
     WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
+    // Cotangents of the totals, wet_area excepted: added to those of q_new, and to the others as by pullback.
+    void totals_pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
+                         const WaterTotals& totals_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar,
+                         double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
+                         double* occupancy_bar) const;
 
 private:
     struct Face {
@@ -98,6 +104,12 @@ private:
                         double inv_h) const;
     // Factor of the lagged coefficients: 0 for a face that does not count.
     double counted(double x) const { return settings_.windward_only && !(x > 0.0) ? 0.0 : 1.0; }
+    // Cotangents of the sum over faces of c_d l.u+ + c_t (n.m)(n.u+) + k n.m + wet_bar |weight| A, where (l, m) are
+    // what `vectors` gives for a face; q_new_bar may be null.
+    template <class F>
+    void pull_back(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q, F&& vectors,
+                   double wet_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar, double* v_bar,
+                   Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
 
     WaterSettings settings_;
     WaterLaws laws_;

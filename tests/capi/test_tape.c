@@ -222,7 +222,7 @@ static void memory_budget_holds(void** state) {
     dqa_simulator_info info;
     int64_t n_steps = -1, n, n2;
     const int64_t one_state = 2 * state_length(simulator) * (int64_t)sizeof(double);
-    const int64_t inputs = LONG * (n_signals() + 3) * (int64_t)sizeof(double);
+    const int64_t inputs = LONG * (168 + n_signals() * (int64_t)sizeof(double));
     double *all, *few;
     (void)state;
     all = swim_and_sweep(0, LONG, &n, &statistics);

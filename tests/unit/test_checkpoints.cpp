@@ -64,7 +64,8 @@ void seed(Adjoint& a) {
     a.seed_objective({{}});
     Vector bar(a.tape().design().rest().size());
     for (const long k : {0L, 5L, 6L, 16L, 22L}) {
-        for (std::size_t i = 0; i < bar.size(); ++i) bar[i] = std::cos(0.3 * static_cast<double>(i) + 0.1 * static_cast<double>(k));
+        for (std::size_t i = 0; i < bar.size(); ++i)
+            bar[i] = std::cos(0.3 * static_cast<double>(i) + 0.1 * static_cast<double>(k));
         a.seed_position(k, bar.data());
         a.seed_velocity(k + 1, bar.data());
     }
@@ -80,7 +81,7 @@ Vector gradients(const std::shared_ptr<Tape>& tape) {
 std::int64_t bytes_of_states(const Design& design, double n) {
     const double fields = design.scene().integrator == Integrator::bdf2 ? 4 : 2;
     return static_cast<std::int64_t>(8.0 * fields * n * static_cast<double>(design.rest().size())) +
-           kSteps * 8 * (design.n_signals() + 3);
+           kSteps * (8 * (design.n_signals() + 3) + 144);
 }
 
 int& calls() {

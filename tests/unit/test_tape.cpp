@@ -256,7 +256,7 @@ void test_controller_and_clock() {
 
 void test_memory_and_failures() {
     const auto design = design_of(SceneSettings{});
-    const std::int64_t state = 2 * 8 * static_cast<std::int64_t>(design->rest().size()), inputs = 8 * 4;
+    const std::int64_t state = 2 * 8 * static_cast<std::int64_t>(design->rest().size()), inputs = 8 * 4 + 144;
     Tape tape(4 * state + 2 * inputs);  // the least, and the inputs of two steps
     Simulation s(design);
     advance(s, {0.1}, &tape);
