@@ -184,6 +184,64 @@ static void record_is_one_piece(void** state) {
     dqa_simulator_free(other);
 }
 
+/* Every kind through the interface: its value against the states that the tape gives back, and each field's range. */
+static void kinds_of_objective(void** state) {
+    static const double path[] = {0.0, 0.0, 0.0, 0.0, 1.0, 0.3, 0.1, -0.2};
+    dqa_tape* tape = tiny_tape(simulator, STEPS);
+    dqa_adjoint* adjoint = NULL;
+    dqa_objective_term terms[5], good;
+    double per_term[5], loss = NAN, effort = 0.0, u[64], weights[2] = {0.0, 0.0};
+    int32_t k;
+    (void)state;
+    for (k = 0; k < 5; ++k) {
+        ok(dqa_objective_term_init(&terms[k], sizeof *terms));
+        assert_true(terms[k].weight == 1.0 && terms[k].gamma == 0.01 && terms[k].epsilon == 1e-4 && !terms[k].path);
+        terms[k].kind = k;
+        terms[k].weight = 1.0 + k;
+    }
+    terms[DQA_OBJECTIVE_PATH].path = path;
+    terms[DQA_OBJECTIVE_PATH].n_path = sizeof path / sizeof *path;
+    ok(dqa_tape_objective(tape, terms, 5, &loss, per_term));
+    assert_true(fabs(loss - (per_term[0] + 2 * per_term[1] + 3 * per_term[2] + 4 * per_term[3] + 5 * per_term[4])) <
+                1e-13);
+    for (k = 0; k < STEPS; ++k) {
+        ok(dqa_tape_get_actuation(tape, k, u, n_signals()));
+        effort += u[0] * u[0] / 30.0;
+    }
+    assert_true(fabs(per_term[3] - effort) < 1e-14);
+    assert_true(per_term[1] < 0.0 && per_term[2] < 0.0 && per_term[4] > 0.0);
+    ok(dqa_adjoint_create(tape, &adjoint));
+    ok(dqa_adjoint_seed_objective(adjoint, terms, 5));
+    ok(dqa_adjoint_backward(adjoint, 0, NULL, NULL));
+    ok(dqa_adjoint_get(adjoint, DQA_WRT_WEIGHTS, weights, N_BASES));
+    assert_true(isfinite(weights[0]) && weights[0] != 0.0);
+    dqa_adjoint_free(adjoint);
+
+    good = terms[1];
+    terms[1].target[1] = NAN;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "target");
+    terms[1] = good, terms[1].gamma = INFINITY;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "gamma");
+    terms[1] = good, terms[1].epsilon = 0.0;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "epsilon");
+    terms[1] = terms[DQA_OBJECTIVE_PATH], terms[1].path = NULL;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "path");
+    terms[1] = terms[DQA_OBJECTIVE_PATH], terms[1].n_path = 7;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "n_path");
+    terms[1].n_path = 0;
+    refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "n_path");
+    {
+        double bad[8];
+        memcpy(bad, path, sizeof bad);
+        bad[4] = 0.0; /* the same time twice */
+        terms[1] = terms[DQA_OBJECTIVE_PATH], terms[1].path = bad;
+        refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "path");
+        bad[4] = 1.0, bad[6] = NAN;
+        refused(dqa_tape_objective(tape, terms, 2, &loss, NULL), DQA_ERROR_ARGUMENT, "path");
+    }
+    dqa_tape_free(tape);
+}
+
 /* Gradient of the travelled distance by the actuations, behind it the state of a step in the middle. */
 static double* swim_and_sweep(int64_t memory_bytes, int64_t steps, int64_t* n, dqa_tape_statistics* statistics) {
     dqa_controller* controller = tiny_controller(simulator);
@@ -253,7 +311,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(null_arguments, at_rest),       cmocka_unit_test_setup(records_what_happened, at_rest),
         cmocka_unit_test_setup(objective_is_checked, at_rest), cmocka_unit_test_setup(record_is_one_piece, at_rest),
-        cmocka_unit_test_setup(memory_budget_holds, at_rest),
+        cmocka_unit_test_setup(memory_budget_holds, at_rest),  cmocka_unit_test_setup(kinds_of_objective, at_rest),
     };
     return cmocka_run_group_tests_name("tape", tests, open_scene, close_scene);
 }
