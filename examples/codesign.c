@@ -2,9 +2,10 @@
  *
  * codesign — from closed meshes of animals to an optimised soft swimmer.
  *
- * Interpolates between the meshes (Wasserstein barycentre), lets the shape swim under a sine that drives its muscles,
- * and follows the gradient of the distance travelled with respect to both, as in sections 5 to 8 of Ma et al.,
- * "DiffAqua", 2021. `codesign --help` lists the options. Only diffaqua.h, the C library and POSIX are used.
+ * Interpolates between the meshes (Wasserstein barycentre), lets the shape swim under a sine or a network that drives
+ * its muscles, and follows the gradient of the distance travelled (or of another objective) with respect to both, as in
+ * sections 5 to 8 of Ma et al., "DiffAqua", 2021. `codesign --help` lists the options. Only diffaqua.h, the C library
+ * and POSIX are used.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,6 +29,7 @@
 #include "support/vtu.h"
 
 #define DESIGN_FILE "design.stl"
+#define CONTROLLER_FILE "controller.dqa" /* of the best design; dqa_controller_load reads it */
 
 /* A job: the run, where it stands in its scene, and what its checkpoint belongs to. */
 typedef struct job {
@@ -43,20 +45,19 @@ typedef struct job {
 
 /* ------------------------------------------------------------------ start */
 static int start_run(job* w) {
-    double theta_all[3 * 64];
     const int64_t n = w->s.n_control;
-    int outcome;
-    if (n > (int64_t)(sizeof theta_all / sizeof theta_all[0])) {
-        say("the controller has more parameters than this program knows");
-        return FAILED;
-    }
-    for (int64_t i = 0; i < n; i += 3) {
+    double* theta = malloc((size_t)n * sizeof *theta);
+    int outcome = DONE;
+    if (theta == NULL) return say_no_memory();
+    for (int64_t i = 0; i < n && !w->o.mlp; i += 3) {
         /* Full swing when only the shape is to be found; otherwise half of it, so that there is a way up and down. */
-        theta_all[i] = w->o.fixed_control ? 1.0 : 0.5;
-        theta_all[i + 1] = SCENE_OMEGA0;
-        theta_all[i + 2] = 0.0;
+        theta[i] = w->o.fixed_control ? 1.0 : 0.5;
+        theta[i + 1] = SCENE_OMEGA0;
+        theta[i + 2] = 0.0;
     }
-    outcome = run_create(&w->r, w->o.weights, w->s.n_weights, theta_all, n, SCENE_OMEGA0, w->o.fixed_control);
+    if (w->o.mlp) outcome = say_status(dqa_controller_get_parameters(w->s.controller, theta, n), "read the controller");
+    if (outcome == DONE) outcome = run_create(&w->r, &w->o, w->s.n_weights, theta, n, SCENE_OMEGA0);
+    free(theta);
     if (outcome == DONE) w->has_run = 1;
     if (outcome == DONE && w->o.resume) {
         outcome = checkpoint_load(&w->r, w->settings, w->o.out);
@@ -120,6 +121,15 @@ static int optimise(job* w, int* converged) {
 }
 
 /* ------------------------------------------------------------------ results */
+/* The best design swam last: its parameters are the controller's. */
+static int write_controller(const job* w) {
+    char* path = output_path(w->o.out, CONTROLLER_FILE);
+    const int outcome =
+        path != NULL ? say_status(dqa_controller_save(w->s.controller, path), "save the controller") : FAILED;
+    free(path);
+    return outcome;
+}
+
 static int write_results(job* w, int converged) {
     const double started = progress_clock();
     motion first, best;
@@ -133,6 +143,7 @@ static int write_results(job* w, int converged) {
     if (outcome == DONE) outcome = history_write(&w->r, w->s.space, w->o.out);
     if (outcome == DONE)
         outcome = stl_write(w->o.out, DESIGN_FILE, motion_frame(&best, 0), best.triangles, best.n_triangles);
+    if (outcome == DONE) outcome = write_controller(w);
     if (outcome == DONE) outcome = vtu_write_motion(&best, w->o.out);
     if (outcome == DONE) outcome = picture_make(&w->r, w->s.space, &first, &best, w->o.out, &w->drawn);
     w->r.seconds += progress_clock() - started;
@@ -146,16 +157,19 @@ static int write_results(job* w, int converged) {
 static int list_results(const job* w, int converged) {
     const run* r = &w->r;
     const char* out = w->o.out;
-    printf("%s after %lld iterations and %.1f s: the swimmer travels %.2f mm (first %.2f mm)\n",
-           converged ? "Converged" : "Done", (long long)r->iteration, r->seconds, -1e3 * r->best_loss,
-           -1e3 * r->rows[0].loss);
+    printf("%s after %lld iterations and %.1f s: ", converged ? "Converged" : "Done", (long long)r->iteration,
+           r->seconds);
+    if (objective_is_travel(r->loss))
+        printf("the swimmer travels %.2f mm (first %.2f mm)\n", -1e3 * r->best_loss, -1e3 * r->rows[0].loss);
+    else
+        printf("loss %.6g (first %.6g)\n", r->best_loss, r->rows[0].loss);
     for (int64_t i = 0; i < r->n_weights; ++i)
         printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
     printf("Files:\n");
     if (w->drawn) printf("  %s/%s  (made by %s and %s/ there)\n", out, PICTURE_FILE, PICTURE_SCRIPT, PICTURE_FOLDER);
     printf("  %s/%s\n  %s/%s\n", out, HISTORY_FILE, out, SUMMARY_FILE);
     printf("  %s/%s  (%lld frames in %s/)\n", out, VTU_INDEX, (long long)w->frames, VTU_FOLDER);
-    printf("  %s/%s\n  %s/%s\n", out, DESIGN_FILE, out, CHECKPOINT_FILE);
+    printf("  %s/%s\n  %s/%s\n  %s/%s\n", out, DESIGN_FILE, out, CONTROLLER_FILE, out, CHECKPOINT_FILE);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         say("cannot write to the standard output");
         return FAILED;

@@ -13,7 +13,7 @@
 #include "output.h"
 #include "say.h"
 
-#define MAGIC "codesign checkpoint 1\n"
+#define MAGIC "codesign checkpoint 2\n"
 #define SETTINGS_END "settings-end\n"
 
 static uint64_t fnv(const void* data, size_t size) {
@@ -28,7 +28,14 @@ char* checkpoint_settings(const options* o) {
     memory_text_begin(&t);
     memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nbases %d\n",
                     dqa_version(), (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, o->steps,
-                    o->fixed_control ? "fixed" : "free", (int)o->n_meshes);
+                    o->mlp             ? "mlp"
+                    : o->fixed_control ? "fixed"
+                                       : "free",
+                    (int)o->n_meshes);
+    for (int32_t k = 0; k < o->loss.n_terms; ++k)
+        memory_text_add(&t, "objective %s %.17g\n", objective_name(o->loss.kinds[k]), o->loss.weights[k]);
+    if (o->loss.n_path > 0)
+        memory_text_add(&t, "path %016" PRIx64 "\n", fnv(o->loss.path, (size_t)o->loss.n_path * sizeof(double)));
     for (int32_t i = 0; i < o->n_meshes; ++i) {
         const char* slash = strrchr(o->meshes[i], '/');
         size_t size = 0;
@@ -101,6 +108,7 @@ int checkpoint_save(const run* r, const char* settings, const char* folder) {
         memory_text_add(&t, "row %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64, row->iteration, row->newton_iterations,
                         row->linear_iterations, row->adjoint_iterations);
         put_numbers(&t, "", numbers, 4);
+        put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
     }
     memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : fnv(t.text, t.length));
@@ -207,6 +215,7 @@ static int parse_state(run* r, const char* text) {
         row->gradient_weights = numbers[1];
         row->gradient_control = numbers[2];
         row->seconds = numbers[3];
+        named_numbers(&c, "terms", row->terms, OBJECTIVE_KINDS);
         named_numbers(&c, "at", r->row_x + r->iteration * r->n, r->n);
     }
     if (c.bad) say("the checkpoint does not hold what it should; start without --resume");

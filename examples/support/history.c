@@ -21,12 +21,16 @@ static void header(FILE* stream, const run* r, const dqa_shape_space* space) {
         }
         if (quoted) fputc('"', stream);
     }
-    for (int64_t i = 0; i < r->n_control; ++i) {
+    /* The thousands of parameters of a network are in the controller's file. */
+    for (int64_t i = 0; i < r->n_control && !r->mlp; ++i) {
         fprintf(stream, ",%s", control[i % 3]);
         if (r->n_control > 3) fprintf(stream, "_%lld", (long long)(i / 3));
     }
-    fputs(",grad_norm_weights,grad_norm_control,seconds,newton_iterations,linear_iterations,adjoint_iterations\n",
+    fputs(",grad_norm_weights,grad_norm_control,seconds,newton_iterations,linear_iterations,adjoint_iterations",
           stream);
+    for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
+        fprintf(stream, ",%s", objective_name(r->loss->kinds[k]));
+    fputs("\n", stream);
 }
 
 int history_write(const run* r, const dqa_shape_space* space, const char* folder) {
@@ -36,10 +40,14 @@ int history_write(const run* r, const dqa_shape_space* space, const char* folder
     for (int64_t k = 0; k < r->iteration; ++k) {
         const history_row* row = &r->rows[k];
         fprintf(file.stream, "%lld,%.17g", (long long)row->iteration, row->loss);
-        for (int64_t i = 0; i < r->n; ++i) fprintf(file.stream, ",%.17g", r->row_x[k * r->n + i]);
-        fprintf(file.stream, ",%.17g,%.17g,%.3f,%lld,%lld,%lld\n", row->gradient_weights, row->gradient_control,
+        for (int64_t i = 0; i < (r->mlp ? r->n_weights : r->n); ++i)
+            fprintf(file.stream, ",%.17g", r->row_x[k * r->n + i]);
+        fprintf(file.stream, ",%.17g,%.17g,%.3f,%lld,%lld,%lld", row->gradient_weights, row->gradient_control,
                 row->seconds, (long long)row->newton_iterations, (long long)row->linear_iterations,
                 (long long)row->adjoint_iterations);
+        for (int32_t t = 0; t < r->loss->n_terms && r->loss->n_terms > 1; ++t)
+            fprintf(file.stream, ",%.17g", row->terms[t]);
+        fputs("\n", file.stream);
     }
     return output_commit(&file);
 }

@@ -33,7 +33,8 @@ static const char help[] =
     "usage: codesign [options] [mesh...]\n"
     "\n"
     "Optimises the shape of a soft swimmer, interpolated between closed triangle meshes (STL, OBJ, PLY),\n"
-    "together with the sine that drives its muscles, for the distance it travels.\n"
+    "together with the sine or the neural network that drives its muscles, for the distance it travels or\n"
+    "another objective.\n"
     "Without meshes it takes the shapes that come with it, on a coarser grid.\n"
     "\n"
     "  --grid NXxNYxNZ   cells of the box, each 8 to 512 (60x16x26; shipped shapes 40x12x20; quick 28x10x14)\n"
@@ -41,6 +42,11 @@ static const char help[] =
     "  --steps N         time steps of 1/30 s per rollout (100; shipped shapes 60; quick 30)\n"
     "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; sharper shapes 0.4)\n"
     "  --fixed-control   optimise the weights only; the sine stays at amplitude 1\n"
+    "  --controller C    sine, or mlp: a network that sees head, centre and tail (sine)\n"
+    "  --objective LIST  travel, keep (its place), efficiency, effort, path, or a sum with weights like\n"
+    "                    travel:1,effort:0.01; what is made smallest (travel)\n"
+    "  --path FILE       of the objective path: lines of time (s) and x, y, z (m) where the centre should be\n"
+    "  --checkpoint-mib N  memory for the record of a rollout; what does not fit is computed again (no limit)\n"
     "  --weights a,b,... initial share of each mesh; they sum to 1 (equal shares)\n"
     "  --out DIR         folder of the results (./codesign-out)\n"
     "  --quick           a coarse version, within a minute\n"
@@ -120,16 +126,24 @@ static int add_mesh(options* o, const char* path) {
 
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
-    const char *grid, *iterations, *steps, *weights, *threads, *sigma;
+    const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib;
 } given;
 
 static const char** value_slot(given* g, options* o, const char* name, size_t length) {
     const struct {
         const char* name;
         const char** slot;
-    } table[] = {{"--grid", &g->grid},       {"--iterations", &g->iterations}, {"--steps", &g->steps},
-                 {"--weights", &g->weights}, {"--threads", &g->threads},       {"--out", &o->out},
-                 {"--sigma", &g->sigma}};
+    } table[] = {{"--grid", &g->grid},
+                 {"--iterations", &g->iterations},
+                 {"--steps", &g->steps},
+                 {"--weights", &g->weights},
+                 {"--threads", &g->threads},
+                 {"--out", &o->out},
+                 {"--sigma", &g->sigma},
+                 {"--controller", &g->controller},
+                 {"--objective", &g->objective},
+                 {"--path", &g->path},
+                 {"--checkpoint-mib", &g->checkpoint_mib}};
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
     return NULL;
@@ -183,6 +197,23 @@ static int parse_sigma(const char* text, double* sigma) {
     }
     *sigma = value;
     return DONE;
+}
+
+static int resolve_task(options* o, const given* g) {
+    int outcome = DONE;
+    if (g->controller != NULL && strcmp(g->controller, "mlp") != 0 && strcmp(g->controller, "sine") != 0) {
+        say("--controller expects sine or mlp, not \"%s\"", g->controller);
+        return USAGE;
+    }
+    o->mlp = g->controller != NULL && strcmp(g->controller, "mlp") == 0;
+    if (o->mlp && o->fixed_control) {
+        say("--fixed-control is for the sine; a network that does not learn drives nothing");
+        return USAGE;
+    }
+    if (g->checkpoint_mib != NULL)
+        outcome = parse_count("--checkpoint-mib", g->checkpoint_mib, 1, 1000000, &o->checkpoint_mib);
+    if (outcome == DONE) outcome = objective_parse(&o->loss, g->objective != NULL ? g->objective : "travel", g->path);
+    return outcome;
 }
 
 static int resolve_threads(options* o, const given* g) {
@@ -243,6 +274,7 @@ int options_parse(options* o, int argc, char** argv, int* action) {
     if (outcome == DONE && g.steps != NULL) outcome = parse_count("--steps", g.steps, 1, 1000000, &o->steps);
     o->sigma = SIGMA;
     if (outcome == DONE && g.sigma != NULL) outcome = parse_sigma(g.sigma, &o->sigma);
+    if (outcome == DONE) outcome = resolve_task(o, &g);
     if (outcome == DONE) outcome = resolve_threads(o, &g);
     if (outcome == DONE) outcome = resolve_meshes(o, &g);
     return outcome;
@@ -251,6 +283,7 @@ int options_parse(options* o, int argc, char** argv, int* action) {
 void options_free(options* o) {
     for (int32_t i = 0; i < o->n_meshes; ++i) free(o->meshes[i]);
     o->n_meshes = 0;
+    objective_free(&o->loss);
 }
 
 /* A word as a shell reads it back: in single quotes when it has anything but plain characters. */

@@ -5,15 +5,20 @@
 
 #include <stdint.h>
 
+#include "objective.h"
+
 #define OPTIONS_MAX_BASES 64
 
 typedef struct options {
-    int32_t grid[3];                   /* cells along x, y, z */
-    int64_t iterations;                /* of the optimiser, >= 1 */
-    int64_t steps;                     /* of a rollout, >= 1 */
-    int32_t threads;                   /* >= 1 */
-    double sigma;                      /* width of the interpolation's kernel, in cells */
-    int fixed_control;                 /* only the weights are optimised */
+    int32_t grid[3];    /* cells along x, y, z */
+    int64_t iterations; /* of the optimiser, >= 1 */
+    int64_t steps;      /* of a rollout, >= 1 */
+    int32_t threads;    /* >= 1 */
+    double sigma;       /* width of the interpolation's kernel, in cells */
+    int fixed_control;  /* only the weights are optimised */
+    int mlp;            /* the controller is a perceptron, not a sine */
+    objective loss;
+    int64_t checkpoint_mib;            /* memory budget of the tape; 0: none */
     int quick;                         /* the coarse settings were asked for */
     int resume;                        /* continue from the checkpoint in `out` */
     int shipped;                       /* the meshes are those that come with the program */

@@ -132,12 +132,12 @@ static void loss_range(FILE* f, const run* r) {
 }
 
 static void curves(FILE* f, const run* r, const dqa_shape_space* space) {
-    const int n_panels = r->fixed_control ? 2 : 3;
+    const int n_panels = r->fixed_control || r->mlp ? 2 : 3;
     const double width = 1.0 / n_panels;
     const long long last = (long long)(r->iteration > 1 ? r->iteration : 2);
     fprintf(f, "set xrange [1:%lld]\nset xlabel 'iteration' offset 0,0.5\n", last);
     if (last <= 10) fputs("set xtics 1\n", f);
-    panel(f, "Loss: minus the distance travelled (m)", 0.075, width - 0.02);
+    panel(f, objective_is_travel(r->loss) ? "Loss: minus the distance travelled (m)" : "Loss", 0.075, width - 0.02);
     loss_range(f, r);
     fprintf(f,
 
@@ -147,7 +147,7 @@ static void curves(FILE* f, const run* r, const dqa_shape_space* space) {
             (long long)r->best_iteration, r->best_loss);
     panel(f, "Share of each base shape", width + 0.045, 2.0 * width - 0.02);
     weight_curves(f, r, space);
-    if (!r->fixed_control) {
+    if (n_panels == 3) {
         panel(f, "Muscle signal a sin(\u03c9t + \u03c6)", 2.0 * width + 0.045, 1.0 - 0.02);
         control_curves(f, r);
     }

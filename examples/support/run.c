@@ -10,6 +10,7 @@
 #include "say.h"
 
 #define RATE 0.05
+#define RATE_MLP 0.01     /* of a network, thousands of whose parameters act together */
 #define CALM_ITERATIONS 4 /* consecutive small changes that count as convergence */
 #define CALM_CHANGE 1e-6
 
@@ -17,13 +18,14 @@ static double* new_numbers(int64_t n) {
     return calloc((size_t)(n > 0 ? n : 1), sizeof(double));
 }
 
-int run_create(run* r, const double* weights, int64_t n_weights, const double* theta, int64_t n_control, double omega0,
-               int fixed_control) {
+int run_create(run* r, const options* o, int64_t n_weights, const double* theta, int64_t n_control, double omega0) {
     memset(r, 0, sizeof *r);
     r->n_weights = n_weights;
     r->n_control = n_control;
     r->n = n_weights + n_control;
-    r->fixed_control = fixed_control;
+    r->fixed_control = o->fixed_control;
+    r->mlp = o->mlp;
+    r->loss = &o->loss;
     r->omega0 = omega0;
     r->best_loss = HUGE_VAL;
     r->x = new_numbers(r->n);
@@ -35,10 +37,11 @@ int run_create(run* r, const double* weights, int64_t n_weights, const double* t
         run_free(r);
         return say_no_memory();
     }
-    memcpy(r->x, weights, (size_t)n_weights * sizeof(double));
+    memcpy(r->x, o->weights, (size_t)n_weights * sizeof(double));
     memcpy(r->x + n_weights, theta, (size_t)n_control * sizeof(double));
     for (int64_t i = 0; i < n_weights; ++i) r->rates[i] = RATE;
-    for (int64_t i = 0; i < n_control; ++i) r->rates[n_weights + i] = i % 3 == 1 ? RATE * omega0 : RATE;
+    for (int64_t i = 0; i < n_control; ++i)
+        r->rates[n_weights + i] = r->mlp ? RATE_MLP : i % 3 == 1 ? RATE * omega0 : RATE;
     return DONE;
 }
 
@@ -89,7 +92,7 @@ int run_advance(run* r, const history_row* row, const double* gradient) {
                    "take an Adam step");
     if (outcome == DONE)
         outcome = say_status(dqa_project_simplex(r->x, r->n_weights), "project the weights onto the simplex");
-    for (int64_t i = 0; i < r->n_control; i += 3) {
+    for (int64_t i = 0; i < r->n_control && !r->mlp; i += 3) {
         double* theta = r->x + r->n_weights + i;
         theta[0] = clamp(theta[0], 0.0, 1.0);
         /* Beyond half the sampling rate a sine is another, slower sine; zero would stop the swimmer for good. */

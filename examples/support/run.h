@@ -6,11 +6,13 @@
 #include <stdint.h>
 
 #include "diffaqua.h"
+#include "options.h"
 
 /* What one evaluation of the loss and its gradient tells. */
 typedef struct history_row {
     int64_t iteration;                         /* counts from 1 */
-    double loss;                               /* m */
+    double loss;                               /* travel alone: m */
+    double terms[OBJECTIVE_KINDS];             /* of the loss, without their weights */
     double gradient_weights, gradient_control; /* 2-norms */
     double seconds;
     int64_t newton_iterations, linear_iterations, adjoint_iterations;
@@ -29,6 +31,8 @@ typedef struct gradient_proof {
 typedef struct run {
     int64_t n_weights, n_control, n; /* the unknowns x = (weights, controller parameters), n = both */
     int fixed_control;
+    int mlp;               /* the controller's parameters are those of a network, not (a, omega, phi) */
+    const objective* loss; /* whose terms the rows hold */
     double omega0;         /* rad/s: natural frequency of the controller, the scale of its omega */
     double* x;             /* [n]: the design of the next iteration */
     double* first_moment;  /* [n] of Adam */
@@ -45,10 +49,9 @@ typedef struct run {
     gradient_proof proof_weights, proof_control; /* at the initial design */
 } run;
 
-/* A run at its start. `theta` [n_control] are the controller's initial parameters, (a, omega, phi) per signal.
- * DONE or FAILED (said). */
-int run_create(run* r, const double* weights, int64_t n_weights, const double* theta, int64_t n_control, double omega0,
-               int fixed_control);
+/* A run of the options' task at its start. `theta` [n_control] are the controller's initial parameters: (a, omega, phi)
+ * per signal, or those of a network. `o` outlives the run. DONE or FAILED (said). */
+int run_create(run* r, const options* o, int64_t n_weights, const double* theta, int64_t n_control, double omega0);
 void run_free(run* r);
 /* Room for one more row. DONE or FAILED. */
 int run_reserve(run* r);

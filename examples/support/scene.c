@@ -9,15 +9,6 @@
 #include "interrupt.h"
 #include "say.h"
 
-static int travel(dqa_objective_term* term) {
-    const dqa_status status = dqa_objective_term_init(term, sizeof *term);
-    if (status == DQA_SUCCESS) {
-        term->kind = DQA_OBJECTIVE_TRAVEL;
-        term->weight = 1.0;
-    }
-    return say_status(status, "set up the objective");
-}
-
 static int build_space(scene* s, const options* o, progress* p) {
     dqa_shape_space_options settings;
     int outcome = say_status(dqa_shape_space_options_init(&settings, sizeof settings), "set up the shape space");
@@ -42,9 +33,22 @@ static int build_space(scene* s, const options* o, progress* p) {
     return outcome;
 }
 
+static int build_controller(scene* s, const options* o, int32_t n_signals) {
+    dqa_mlp_options net;
+    int outcome;
+    if (!o->mlp)
+        return say_status(dqa_controller_create_sinusoid(n_signals, SCENE_TIME_STEP, &s->controller),
+                          "create the controller");
+    outcome = say_status(dqa_mlp_options_init(&net, sizeof net), "set up the controller");
+    if (outcome != DONE) return outcome;
+    net.n_signals = n_signals;
+    return say_status(dqa_controller_create_mlp(&net, &s->controller), "create the controller");
+}
+
 static int build_simulator(scene* s, const options* o) {
     dqa_shape_space_info info;
     dqa_simulator_options settings;
+    dqa_tape_options record;
     int outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
     if (outcome == DONE)
         outcome = say_status(dqa_simulator_options_init(&settings, sizeof settings), "set up the simulator");
@@ -55,13 +59,15 @@ static int build_simulator(scene* s, const options* o) {
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     outcome = say_status(dqa_simulator_create(s->space, &settings, &s->simulator), "create the simulator");
-    if (outcome == DONE)
-        outcome = say_status(dqa_controller_create_sinusoid(info.n_signals, SCENE_TIME_STEP, &s->controller),
-                             "create the controller");
+    if (outcome == DONE) outcome = build_controller(s, o, info.n_signals);
     if (outcome == DONE)
         outcome = say_status(dqa_controller_n_parameters(s->controller, &s->n_control), "read the controller");
-    if (outcome == DONE) outcome = say_status(dqa_tape_create(s->simulator, NULL, &s->tape), "create the tape");
-    return outcome;
+    if (outcome == DONE) outcome = say_status(dqa_tape_options_init(&record, sizeof record), "set up the tape");
+    if (outcome != DONE) return outcome;
+    record.memory_bytes = o->checkpoint_mib * 1024 * 1024;
+    s->n_terms = o->loss.n_terms;
+    outcome = say_status(dqa_tape_create(s->simulator, &record, &s->tape), "create the tape");
+    return outcome == DONE ? objective_terms(&o->loss, s->terms) : outcome;
 }
 
 int scene_create(scene* s, const options* o, progress* p) {
@@ -111,11 +117,12 @@ static int statistics_of(const scene* s, dqa_tape_statistics* statistics) {
     return say_status(dqa_tape_stats(s->tape, statistics, sizeof *statistics), "read the tape's statistics");
 }
 
-static int sweep_back(scene* s, const dqa_objective_term* term, double* gradient, progress* p) {
+static int sweep_back(scene* s, double* gradient, progress* p) {
     dqa_adjoint* adjoint = NULL;
     int outcome = say_status(dqa_adjoint_create(s->tape, &adjoint), "create the adjoint");
     progress_stage(p, PROGRESS_BACKWARD);
-    if (outcome == DONE) outcome = say_status(dqa_adjoint_seed_objective(adjoint, term, 1), "seed the adjoint");
+    if (outcome == DONE)
+        outcome = say_status(dqa_adjoint_seed_objective(adjoint, s->terms, s->n_terms), "seed the adjoint");
     if (outcome == DONE)
         outcome = say_status(dqa_adjoint_backward(adjoint, 0, progress_callback, p), "compute the gradient");
     if (outcome == DONE)
@@ -137,15 +144,15 @@ static double norm(const double* x, int64_t n) {
 
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p) {
     const double started = progress_clock();
-    dqa_objective_term term;
     dqa_tape_statistics before, after; /* the adjoint's count adds up over all sweeps of a tape */
-    int outcome = travel(&term);
+    int outcome;
     memset(row, 0, sizeof *row);
-    if (outcome == DONE) outcome = scene_swim(s, x, p);
+    outcome = scene_swim(s, x, p);
     if (outcome == DONE)
-        outcome = say_status(dqa_tape_objective(s->tape, &term, 1, &row->loss, NULL), "evaluate the loss");
+        outcome =
+            say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
     if (outcome == DONE) outcome = statistics_of(s, &before);
-    if (outcome == DONE) outcome = sweep_back(s, &term, gradient, p);
+    if (outcome == DONE) outcome = sweep_back(s, gradient, p);
     if (outcome == DONE) outcome = statistics_of(s, &after);
     if (outcome != DONE) return outcome;
     row->gradient_weights = norm(gradient, s->n_weights);
@@ -162,21 +169,19 @@ int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row
 }
 
 int scene_prove(scene* s, int32_t with_respect_to, const char* of, gradient_proof* proof, progress* p) {
-    dqa_objective_term term;
     dqa_gradient_check_options settings;
     char doing[64];
-    int outcome = travel(&term);
+    int outcome;
     (void)snprintf(doing, sizeof doing, "check the gradient of the %s", of);
-    if (outcome == DONE)
-        outcome = say_status(dqa_gradient_check_options_init(&settings, sizeof settings), "set up the gradient check");
+    outcome = say_status(dqa_gradient_check_options_init(&settings, sizeof settings), "set up the gradient check");
     if (outcome != DONE) return outcome;
     progress_stage(p, PROGRESS_PROOF);
     settings.with_respect_to = with_respect_to;
     settings.n_steps = SCENE_PROOF_STEPS;
     memset(&proof->report, 0, sizeof proof->report);
-    outcome = say_status(
-        dqa_check_gradient(s->simulator, s->controller, &term, 1, &settings, &proof->report, sizeof proof->report),
-        doing);
+    outcome = say_status(dqa_check_gradient(s->simulator, s->controller, s->terms, s->n_terms, &settings,
+                                            &proof->report, sizeof proof->report),
+                         doing);
     if (outcome == DONE && interrupted()) outcome = INTERRUPTED;
     if (outcome == INTERRUPTED) return outcome;
     proof->state = outcome == DONE ? PROOF_MADE : PROOF_FAILED;

@@ -22,6 +22,8 @@ typedef struct scene {
     dqa_tape* tape;
     int64_t n_weights;
     int64_t n_control;
+    int32_t n_terms; /* of the loss */
+    dqa_objective_term terms[OBJECTIVE_KINDS];
     int64_t steps;
 } scene;
 
@@ -32,7 +34,7 @@ void scene_free(scene* s);
 int scene_set(scene* s, const double* x, progress* p);
 /* Swims: scene_set, then a recorded rollout. */
 int scene_swim(scene* s, const double* x, progress* p);
-/* Loss (travel, m) of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
+/* Loss of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
 /* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL, in words `of`) by the library's finite
  * differences, which want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but

@@ -19,11 +19,24 @@ static void write_settings(json* j, const options* o, const run* r) {
     json_boolean(j, "fixed_control", o->fixed_control);
     json_boolean(j, "quick", o->quick);
     json_boolean(j, "shipped_shapes", o->shipped);
-    json_string(j, "objective", "travel");
+    json_string(j, "controller", o->mlp ? "mlp" : "sine");
+    if (objective_is_travel(&o->loss)) {
+        json_string(j, "objective", "travel");
+    } else {
+        json_open(j, "objective", '{');
+        for (int32_t k = 0; k < o->loss.n_terms; ++k)
+            json_number(j, objective_name(o->loss.kinds[k]), o->loss.weights[k]);
+        json_close(j, '}');
+    }
+    json_integer(j, "checkpoint_mib", o->checkpoint_mib);
     json_string(j, "optimizer", "adam, weights projected onto the simplex");
     json_number(j, "rate_weights", r->rates[0]);
-    json_number(j, "rate_amplitude_phase", r->rates[0]);
-    json_number(j, "rate_omega", r->n_control > 1 ? r->rates[r->n_weights + 1] : 0.0);
+    if (r->mlp) {
+        json_number(j, "rate_control", r->rates[r->n_weights]);
+    } else {
+        json_number(j, "rate_amplitude_phase", r->rates[0]);
+        json_number(j, "rate_omega", r->n_control > 1 ? r->rates[r->n_weights + 1] : 0.0);
+    }
     json_open(j, "meshes", '[');
     for (int32_t i = 0; i < o->n_meshes; ++i) json_string(j, NULL, o->meshes[i]);
     json_close(j, ']');
@@ -44,6 +57,8 @@ static void write_design(json* j, const char* key, const run* r, int64_t iterati
     json_open(j, key, '{');
     json_integer(j, "iteration", iteration);
     json_number(j, "loss", r->rows[iteration - 1].loss);
+    for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
+        json_number(j, objective_name(r->loss->kinds[k]), r->rows[iteration - 1].terms[k]);
     write_numbers(j, "weights", x, r->n_weights);
     write_numbers(j, "control", x + r->n_weights, r->n_control);
     json_close(j, '}');

@@ -55,7 +55,8 @@ class Quick(Scratch):
 
     def test_ends_well_and_names_its_files(self):
         self.assertEqual(self.process.returncode, 0, self.process.stderr)
-        for name in ("codesign.png", "history.csv", "summary.json", "swimmer.pvd", "design.stl", "checkpoint.txt"):
+        for name in ("codesign.png", "history.csv", "summary.json", "swimmer.pvd", "design.stl", "controller.dqa",
+                     "checkpoint.txt"):
             self.assertIn(os.path.join(self.out, name), self.process.stdout)
             self.assertGreater(os.path.getsize(os.path.join(self.out, name)), 0)
         self.assert_nothing_half_written()
@@ -247,6 +248,51 @@ class Resume(Scratch):
             self.assertIn("damaged", process.stderr)
 
 
+class Tasks(Scratch):
+    """Other objectives and controllers, and a record that does not fit its memory."""
+
+    NET = ("--grid", "20x8x10", "--steps", 30, "--iterations", 2, "--controller", "mlp", "--objective",
+           "travel:1,efficiency:0.1,effort:0.01")
+
+    def test_a_network_under_a_weighted_sum(self):
+        first, again = self.path("net"), self.path("net-small")
+        process = self.codesign(*self.NET, "--out", first)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        names, rows = results.read_history(first)
+        self.assertEqual(names[-3:], ["travel", "efficiency", "effort"])
+        for row in rows:
+            travel, efficiency, effort = map(float, row[-3:])
+            self.assertAlmostEqual(float(row[1]), travel + 0.1 * efficiency + 0.01 * effort, delta=1e-12)
+        summary = results.read_summary(first)
+        self.assertEqual(summary["settings"]["controller"], "mlp")
+        self.assertEqual(summary["settings"]["objective"], {"travel": 1, "efficiency": 0.1, "effort": 0.01})
+        self.assertEqual((len(summary["control"]) - 64 * 36 - 64 * 65) % 65, 0)
+        for name in ("weights", "control"):
+            self.assertLessEqual(summary["gradient_check"][name]["relative_error"], 1e-6, name)
+        # One MiB does not hold the states of thirty steps: they are computed again, to the same bits.
+        process = self.codesign(*self.NET, "--checkpoint-mib", 1, "--out", again)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        for name in ("design.stl", "controller.dqa"):
+            with open(os.path.join(first, name), "rb") as a, open(os.path.join(again, name), "rb") as b:
+                self.assertEqual(a.read(), b.read(), name)
+
+    def test_a_path(self):
+        path = self.path("path.txt")
+        with open(path, "w", encoding="utf-8") as stream:
+            stream.write("0 0 0 0\n1.0, 0.2, 0.1, 0\n")
+        out = self.path("path")
+        small = ("--grid", "20x8x10", "--steps", 10, "--iterations", 2)
+        process = self.codesign(*small, "--objective", "path,keep:0.5", "--path", path, "--out", out)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("loss", process.stdout)
+        # The points belong to the settings of a checkpoint.
+        with open(path, "a", encoding="utf-8") as stream:
+            stream.write("2 0 0 0\n")
+        process = self.codesign(*small, "--objective", "path,keep:0.5", "--path", path, "--out", out, "--resume")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("path", process.stderr)
+
+
 class Refusals(Scratch):
     """Wrong input is refused with a message that names it, and leaves nothing behind."""
 
@@ -268,6 +314,21 @@ class Refusals(Scratch):
             self.refuse(2, "--sigma", "--sigma", text)
         self.refuse(2, "--frobnicate", "--frobnicate")
         self.refuse(2, "expects a value", "--steps")
+
+    def test_task(self):
+        for text in ("", "fast", "travel:", "travel:x", "travel,,keep", "travel,travel", "effort:nan", "keep:1:2"):
+            self.refuse(2, "--objective", "--objective", text)
+        self.refuse(2, "--path", "--objective", "path")
+        self.refuse(2, "--path", "--path", "nowhere.txt")
+        self.refuse(1, "nowhere.txt", "--objective", "path", "--path", "nowhere.txt")
+        for text in ("0 0 0\n", "", "0 0 0 0\n0 1 1 1\n", "a b c d\n"):
+            path = self.path("bad.txt")
+            with open(path, "w", encoding="utf-8") as stream:
+                stream.write(text)
+            self.refuse(2, "bad.txt", "--objective", "path", "--path", path)
+        self.refuse(2, "--controller", "--controller", "mpc")
+        self.refuse(2, "--fixed-control", "--controller", "mlp", "--fixed-control")
+        self.refuse(2, "--checkpoint-mib", "--checkpoint-mib", "0")
 
     def test_weights(self):
         self.refuse(2, "sum to 1", "--weights", "0.5,0.5,0.5,0.5")
@@ -309,7 +370,7 @@ class Refusals(Scratch):
         process = self.codesign("--help")
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
-                       "--resume", "--threads", "--sigma"):
+                       "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib"):
             self.assertIn(option, process.stdout)
 
 
