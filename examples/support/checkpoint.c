@@ -48,6 +48,14 @@ char* checkpoint_settings(const options* o) {
                         slash != NULL ? slash + 1 : o->meshes[i], fnv(content, size), (int)i + 1, o->weights[i]);
         free(content);
     }
+    for (int32_t i = 0; i < o->list.n_actuators; ++i) {
+        const dqa_actuator_options* a = &o->list.actuators[i].options;
+        memory_text_add(&t, "actuator-%d base %d kind %d category %d side %d layers %d", (int)i + 1,
+                        (int)o->list.actuators[i].base + 1, (int)a->kind, (int)a->category, (int)a->side,
+                        (int)a->layers);
+        for (int k = 0; k < 3; ++k) memory_text_add(&t, " %.17g %.17g %.17g", a->mean[k], a->variance[k], a->euler[k]);
+        memory_text_add(&t, "\n");
+    }
     if (t.failed) {
         memory_text_end(&t);
         (void)say_no_memory();

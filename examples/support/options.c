@@ -31,12 +31,14 @@ static const preset preset_user = {{60, 16, 26}, 40, 100};
 
 static const char help[] =
     "usage: codesign [options] [mesh...]\n"
+    "       codesign [options] --bases-file FILE\n"
     "\n"
     "Optimises the shape of a soft swimmer, interpolated between closed triangle meshes (STL, OBJ, PLY),\n"
     "together with the sine or the neural network that drives its muscles, for the distance it travels or\n"
     "another objective.\n"
     "Without meshes it takes the shapes that come with it, on a coarser grid.\n"
     "\n"
+    "  --bases-file FILE meshes and their muscles from a list instead of the command line; see below\n"
     "  --grid NXxNYxNZ   cells of the box, each 8 to 512 (60x16x26; shipped shapes 40x12x20; quick 28x10x14)\n"
     "  --iterations N    of the optimiser (40; shipped shapes 15; quick 5)\n"
     "  --steps N         time steps of 1/30 s per rollout (100; shipped shapes 60; quick 30)\n"
@@ -53,6 +55,19 @@ static const char help[] =
     "  --resume          continue an interrupted run in DIR; give the other options again\n"
     "  --threads N       results do not depend on it (number of processors, at most 16)\n"
     "  --help            this text\n"
+    "\n"
+    "A list of bases has one block per mesh; what follows a # is a comment:\n"
+    "\n"
+    "  base shark.stl\n"
+    "    caudal mean -0.25 0 0.01 half 0.18 0.08 0.09\n"
+    "    fins mean 0.03 0.13 -0.06 half 0.08 0.05 0.02 angles 10 0 0 layers 4\n"
+    "\n"
+    "Paths are relative to the list. An actuator is a box of muscle: its middle and the half lengths of its\n"
+    "edges in metres (the longest mesh is 1 m long, its centre of mass the origin, x ahead, z up), optionally\n"
+    "Euler angles in degrees about x, y, z, and a category (0 to 15; 0 for caudal and 1 for fins unless given):\n"
+    "actuators of one category are interpolated between the meshes. Fins are described on the left and mirrored\n"
+    "to the right, or each by itself with \"side left\" and \"side right\"; they have 1 to 4 layers (4) with 4\n"
+    "signals each. A base without actuators gets them from its geometry.\n"
     "\n"
     "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
 
@@ -126,7 +141,8 @@ static int add_mesh(options* o, const char* path) {
 
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
-    const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib;
+    const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
+        *bases_file;
 } given;
 
 static const char** value_slot(given* g, options* o, const char* name, size_t length) {
@@ -143,7 +159,8 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--controller", &g->controller},
                  {"--objective", &g->objective},
                  {"--path", &g->path},
-                 {"--checkpoint-mib", &g->checkpoint_mib}};
+                 {"--checkpoint-mib", &g->checkpoint_mib},
+                 {"--bases-file", &g->bases_file}};
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
     return NULL;
@@ -229,6 +246,20 @@ static int resolve_threads(options* o, const given* g) {
     return outcome;
 }
 
+static int add_listed_mesh(void* context, const char* mesh) {
+    return add_mesh(context, mesh);
+}
+
+static int read_list(options* o, const given* g) {
+    if (g->bases_file == NULL) return DONE;
+    if (o->n_meshes > 0) {
+        say("give either --bases-file or meshes, not both");
+        return USAGE;
+    }
+    o->bases_file = g->bases_file;
+    return bases_read(&o->list, g->bases_file, add_listed_mesh, o);
+}
+
 static int resolve_meshes(options* o, const given* g) {
     int32_t n_weights = 0;
     int outcome = DONE;
@@ -264,6 +295,8 @@ int options_parse(options* o, int argc, char** argv, int* action) {
     *action = OPTIONS_RUN;
     outcome = parse_words(o, &g, argc, argv, action);
     if (outcome != DONE || *action == OPTIONS_HELP) return outcome;
+    outcome = read_list(o, &g);
+    if (outcome != DONE) return outcome;
     p = o->quick ? &preset_quick : o->n_meshes == 0 ? &preset_shipped : &preset_user;
     memcpy(o->grid, p->grid, sizeof o->grid);
     o->iterations = p->iterations;
@@ -284,6 +317,7 @@ void options_free(options* o) {
     for (int32_t i = 0; i < o->n_meshes; ++i) free(o->meshes[i]);
     o->n_meshes = 0;
     objective_free(&o->loss);
+    bases_free(&o->list);
 }
 
 /* A word as a shell reads it back: in single quotes when it has anything but plain characters. */

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "bases.h"
 #include "objective.h"
 
 #define OPTIONS_MAX_BASES 64
@@ -26,6 +27,8 @@ typedef struct options {
     int32_t n_meshes;                  /* >= 1 */
     char* meshes[OPTIONS_MAX_BASES];   /* paths; owned */
     double weights[OPTIONS_MAX_BASES]; /* initial design, on the simplex */
+    const char* bases_file;            /* the list that names the meshes; NULL: the command line does */
+    bases list;                        /* its actuators; owned */
 } options;
 
 #define OPTIONS_RUN 0  /* go on */

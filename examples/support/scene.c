@@ -9,6 +9,31 @@
 #include "interrupt.h"
 #include "say.h"
 
+static int add_meshes(scene* s, const options* o) {
+    int outcome = DONE;
+    for (int32_t i = 0; i < o->n_meshes && outcome == DONE; ++i) {
+        char doing[512];
+        (void)snprintf(doing, sizeof doing, "use the mesh %s", o->meshes[i]);
+        outcome = say_status(dqa_shape_space_add_mesh_file(s->space, o->meshes[i], NULL), doing);
+        if (outcome == DONE && interrupted()) outcome = INTERRUPTED;
+    }
+    return outcome;
+}
+
+/* Lengths of actuators need the size of a cell, which follows from the meshes: a first space finds it. */
+static int find_cell_size(scene* s, const options* o, dqa_shape_space_options* settings) {
+    dqa_shape_space_info info;
+    int outcome = say_status(dqa_shape_space_create(settings, &s->space), "create the shape space");
+    if (outcome == DONE) outcome = add_meshes(s, o);
+    if (outcome == DONE) outcome = say_status(dqa_shape_space_build(s->space, NULL, NULL), "build the shape space");
+    if (outcome == DONE)
+        outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
+    if (outcome == DONE) settings->cell_size = info.cell_size;
+    dqa_shape_space_free(s->space);
+    s->space = NULL;
+    return outcome;
+}
+
 static int build_space(scene* s, const options* o, progress* p) {
     dqa_shape_space_options settings;
     int outcome = say_status(dqa_shape_space_options_init(&settings, sizeof settings), "set up the shape space");
@@ -19,14 +44,11 @@ static int build_space(scene* s, const options* o, progress* p) {
     settings.sigma = o->sigma;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
-    outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
     progress_stage(p, PROGRESS_SPACE);
-    for (int32_t i = 0; i < o->n_meshes && outcome == DONE; ++i) {
-        char doing[512];
-        (void)snprintf(doing, sizeof doing, "use the mesh %s", o->meshes[i]);
-        outcome = say_status(dqa_shape_space_add_mesh_file(s->space, o->meshes[i], NULL), doing);
-        if (outcome == DONE && interrupted()) outcome = INTERRUPTED;
-    }
+    if (o->list.n_actuators > 0) outcome = find_cell_size(s, o, &settings);
+    if (outcome == DONE) outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
+    if (outcome == DONE) outcome = add_meshes(s, o);
+    if (outcome == DONE) outcome = bases_add_actuators(&o->list, o->bases_file, s->space);
     if (outcome == DONE)
         outcome = say_status(dqa_shape_space_build(s->space, progress_callback, p), "build the shape space");
     if (outcome == DONE) progress_stage_done(p);

@@ -40,6 +40,8 @@ static void write_settings(json* j, const options* o, const run* r) {
     json_open(j, "meshes", '[');
     for (int32_t i = 0; i < o->n_meshes; ++i) json_string(j, NULL, o->meshes[i]);
     json_close(j, ']');
+    json_string(j, "bases_file", o->bases_file);
+    json_integer(j, "actuators_given", o->list.n_actuators);
     json_open(j, "initial_weights", '[');
     for (int32_t i = 0; i < o->n_meshes; ++i) json_number(j, NULL, o->weights[i]);
     json_close(j, ']');

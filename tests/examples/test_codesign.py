@@ -348,6 +348,40 @@ class Refusals(Scratch):
         self.refuse(1, "empty.stl", self.path("empty.stl"))
         self.refuse(1, "DQA_SHAPES_DIR", env={**os.environ, "DQA_SHAPES_DIR": self.path("nowhere")})
 
+    def test_bases_file(self):
+        def listed(text):
+            path = self.path("list.txt")
+            with open(path, "w", encoding="utf-8") as stream:
+                stream.write(text)
+            return "--bases-file", path
+
+        base = "base some.stl\n"
+        for line, pattern in {
+                "shark.stl": r"list\.txt:2: expected base, caudal or fins",
+                "base": r"list\.txt:2: base expects the path",
+                "caudal half 1 1 1": r"list\.txt:2: the actuator needs \"mean\"",
+                "caudal mean 0 0 0": r"list\.txt:2: the actuator needs \"half\"",
+                "caudal mean 0 0 x half 1 1 1": r"list\.txt:2: mean expects a number, not \"x\"",
+                "caudal mean 0 0": r"list\.txt:2: mean expects a number, not \"end of line\"",
+                "caudal mean 0 0 0 half 1 0 1": r"list\.txt:2: half expects",
+                "caudal mean 0 0 0 half 1 1 1 layers 2": r"list\.txt:2: expected mean, half, angles, category, not",
+                "fins mean 0 0 0 half 1 1 1 layers 5": r"list\.txt:2: layers expects a whole number from 1 to 4",
+                "fins mean 0 0 0 half 1 1 1 side up": r"list\.txt:2: side expects left or right",
+                "fins mean 0 0 0 half 1 1 1 category 16": r"list\.txt:2: category expects",
+                "caudal mean nan 0 0 half 1 1 1": r"list\.txt:2: mean expects a number",
+        }.items():
+            self.refuse(2, pattern, *listed(base + line + "  # a comment\n"))
+        self.refuse(2, r"list\.txt:1: an actuator before", *listed("caudal mean 0 0 0 half 1 1 1\n"))
+        self.refuse(2, "names no base", *listed("# nothing\n\n"))
+        self.refuse(2, "longer than", *listed(base + "#" * 5000 + "\n"))
+        self.refuse(2, "not both", *listed(base), "mesh.stl")
+        self.refuse(1, "some.stl", *listed(base))
+        self.refuse(1, "cannot open the list", "--bases-file", self.path("nowhere.txt"))
+        shapes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
+        tuna = "base " + os.path.abspath(os.path.join(shapes, "tuna.stl")) + "\n"
+        thick = "fins mean 0 0.1 0 half 0.1 0.05 0.2\n"
+        self.refuse(1, "actuator in line 2 of .*variance\\[2\\]", *listed(tuna + thick))
+
     def test_resume_without_a_checkpoint(self):
         self.refuse(2, "no checkpoint", "--resume")
 
@@ -370,7 +404,8 @@ class Refusals(Scratch):
         process = self.codesign("--help")
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
-                       "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib"):
+                       "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib",
+                       "--bases-file"):
             self.assertIn(option, process.stdout)
 
 
