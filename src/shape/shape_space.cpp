@@ -177,7 +177,13 @@ void ShapeSpace::place_actuators(int base) {
         placed.push_back(*fins), placed.push_back(mirrored(*fins));
     }
     for (const Actuator& a : placed) {
-        check_actuator(base, a);
+        for (std::size_t i = 0; i < bases_.size(); ++i)
+            for (const Actuator& other : bases_[i].actuators)
+                if (other.category == a.category && other.kind != a.kind)
+                    fail(Status::ERROR_STATE,
+                         "build: base %d names no actuator and gets automatic %s of category %d, which has another "
+                         "kind in base %zu; give base %d its own or use another category there",
+                         base, a.kind == ActuatorKind::fins ? "fins" : "tail muscles", a.category, i, base);
         b.actuators.push_back(a);
     }
 }

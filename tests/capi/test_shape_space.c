@@ -311,6 +311,10 @@ static void plane_bases(void** state) {
     const double pixels[6] = {0.2, 1.0, 0.5, 0.2, 1.0, 0.5};
     dqa_shape_space_options options;
     dqa_shape_space *space = NULL, *solid = tiny_space_open();
+    dqa_simulator* simulator = NULL;
+    dqa_actuator_info actuator;
+    double* directions;
+    int64_t n = 0;
     double* cells = doubles(24 * 10);
     int32_t base = -1;
     int64_t c;
@@ -338,6 +342,17 @@ static void plane_bases(void** state) {
     refused(dqa_shape_space_add_image(space, NULL, pixels, 2, 3, NULL), DQA_ERROR_ARGUMENT, "name");
     refused(dqa_shape_space_add_image(solid, "bar", pixels, 2, 3, NULL), DQA_ERROR_ARGUMENT, "dims");
     ok(dqa_shape_space_build(space, NULL, NULL));
+    ok(dqa_simulator_create(space, NULL, &simulator));
+    ok(dqa_simulator_set_weights(simulator, HALF, N_BASES, NULL, NULL));
+    ok(dqa_simulator_muscles(simulator, NULL, NULL, NULL, 0, NULL, 0, NULL, 0, &n));
+    assert_true(n > 10);
+    directions = doubles(2 * n);
+    ok(dqa_simulator_muscles(simulator, NULL, NULL, NULL, 0, directions, 2 * n, NULL, 0, NULL));
+    for (c = 0; c < n; ++c) assert_true(directions[2 * c] == 1.0 && directions[2 * c + 1] == 0.0);
+    ok(dqa_simulator_actuator(simulator, 0, DQA_SIDE_BOTH, &actuator, sizeof actuator));
+    assert_true(actuator.half[0] > 0.1 && actuator.strength == 1.0);
+    dqa_simulator_free(simulator);
+    free(directions);
     dqa_shape_space_free(space);
     dqa_shape_space_free(solid);
     free(cells);

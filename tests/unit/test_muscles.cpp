@@ -4,6 +4,7 @@
 #include "body/fibre_turn.hpp"
 #include "derivative_checks.hpp"
 #include "motion_fixtures.hpp"
+#include "shape/mesh_file.hpp"
 #include "tape/adjoint.hpp"
 
 namespace {
@@ -176,14 +177,41 @@ void test_rollout_by_alpha() {
     report_worst("travel by alpha");
 }
 
+// Automatic muscles make the shipped eels swim head first.
+void test_eels_swim_head_first() {
+#ifdef DQA_HAVE_ASSIMP
+    for (const char* name : {"eel_vertical", "eel_horizontal"}) {
+        ShapeSettings s;
+        s.cells = {34, 8, 10}, s.sigma = 0.7;
+        auto space = std::make_shared<ShapeSpace>(s);
+        space->add_mesh(name, read_mesh_file(std::string(DQA_SHAPES_DIR "/") + name + ".stl"));
+        space->build(nullptr);
+        SceneSettings scene;
+        scene.tolerance = 1e-4;
+        Simulation simulation(make_design(scene, {1.0}, space));
+        const Vector start(simulation.q());
+        for (int step = 0; step < 36; ++step) {  // three periods
+            const double signal = std::sin(pi / 6 * step);
+            simulation.step({&signal, {}});
+        }
+        const Vector& spine = simulation.design().spine();
+        double travel = 0;
+        for (std::size_t n = 0; n < spine.size(); ++n) travel += spine[n] * (simulation.q()[3 * n] - start[3 * n]);
+        travel /= sum(spine);
+        print_message("%s travels %.1f mm\n", name, 1e3 * travel);
+        CHECK(travel > 0.005);
+    }
+#else
+    throw Skipped{};
+#endif
+}
+
 }  // namespace
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_fibres),
-        TEST(test_derivative_by_alpha),
-        TEST(test_fibre_turn),
-        TEST(test_rollout_by_alpha),
+        TEST(test_fibres),           TEST(test_derivative_by_alpha),  TEST(test_fibre_turn),
+        TEST(test_rollout_by_alpha), TEST(test_eels_swim_head_first),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

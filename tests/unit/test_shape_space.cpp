@@ -240,6 +240,17 @@ void test_categories() {
     fins.euler = {0.1, 0, 0.2};
     space.add_actuator(1, fins);
     CHECK(space.n_signals() == 0);
+    {
+        ShapeSpace other_use(s);
+        other_use.add_fractions("a", soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3}).data());
+        other_use.add_fractions("b", soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3}).data());
+        Actuator zero = fins;
+        zero.category = 0;
+        other_use.add_actuator(0, zero);
+        EXPECT_ERROR(ERROR_STATE, "base 1 names no actuator and gets automatic tail muscles of category 0",
+                     other_use.build(nullptr));
+        CHECK(!other_use.built() && other_use.bases()[1].actuators.empty());
+    }
     space.build(nullptr);  // the third base gets a caudal one, number 0
     CHECK(space.n_signals() == 1 + 16 + 1 + 8);
     CHECK((space.categories() == std::vector<ActuatorCategory>{{0, ActuatorKind::caudal, 1, 0, 1},
