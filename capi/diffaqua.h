@@ -230,13 +230,15 @@ typedef struct dqa_shape_space_info {
 } dqa_shape_space_info;
 /* `size` is sizeof(dqa_shape_space_info) as the caller compiled it. */
 DQA_API dqa_status dqa_shape_space_get_info(const dqa_shape_space *space, dqa_shape_space_info *info, uint64_t size);
+
+/* What one actuation signal drives. */
 typedef struct dqa_signal_info {
     uint32_t struct_size;
-    int32_t category;
-    int32_t kind;   /* DQA_ACTUATOR_* */
-    int32_t layer;  /* of fins, from 0 below; 0 for caudal */
-    int32_t group;  /* of fins, the band in [0, 4) from back inside to ahead outside; 0 for caudal */
-    int32_t padding;
+    int32_t category; /* number of the actuators that it drives, in [0, 15] */
+    int32_t kind;     /* DQA_ACTUATOR_* */
+    int32_t layer;    /* of fins, from 0 below; 0 for caudal */
+    int32_t group;    /* of fins, the band in [0, 4) from back inside to ahead outside; 0 for caudal */
+    int32_t padding;  /* 0 */
 } dqa_signal_info;
 /* What signal `signal` in [0, n_signals) of a built space drives. `size` is sizeof(dqa_signal_info). */
 DQA_API dqa_status dqa_shape_space_signal(const dqa_shape_space *space, int32_t signal, dqa_signal_info *info,
@@ -439,16 +441,16 @@ DQA_API dqa_status dqa_simulator_mesh(const dqa_simulator *simulator, int32_t *c
                                       int32_t *cell_box_index, int64_t n_cells, double *occupancy,
                                       int64_t n_occupancy);
 
-
+/* An actuator of the current design, as the interpolation made it of those of the bases. */
 typedef struct dqa_actuator_info {
     uint32_t struct_size;
-    int32_t category;
+    int32_t category;      /* in [0, 15] */
     int32_t kind;          /* DQA_ACTUATOR_* */
     int32_t side;          /* DQA_SIDE_* */
     int32_t layers;        /* of fins; 1 for caudal */
     int32_t n_signals;     /* of the category */
-    int32_t first_signal;
-    int32_t padding;
+    int32_t first_signal;  /* of the category: its index among those of the space */
+    int32_t padding;       /* 0 */
     double mean[3];        /* m */
     double covariance[9];  /* m^2, [3][3] */
     double half[3];        /* m: distances of the box's faces from the mean */
