@@ -44,6 +44,20 @@ typedef struct job {
 } job;
 
 /* ------------------------------------------------------------------ start */
+/* The layers of a fin start as antagonists, the upper half against the lower: in unison they would not bend it, and
+ * from there no gradient would tell them apart. */
+static int phase_of(const dqa_shape_space* space, int32_t signal, int32_t n_signals, double* phase) {
+    dqa_signal_info own, other;
+    int32_t layers = 1;
+    int outcome = say_status(dqa_shape_space_signal(space, signal, &own, sizeof own), "read a signal");
+    for (int32_t k = 0; k < n_signals && outcome == DONE; ++k) {
+        outcome = say_status(dqa_shape_space_signal(space, k, &other, sizeof other), "read a signal");
+        if (outcome == DONE && other.category == own.category && other.layer >= layers) layers = other.layer + 1;
+    }
+    if (outcome == DONE && 2 * own.layer >= layers && layers > 1) *phase = SCENE_PI;
+    return outcome;
+}
+
 static int start_run(job* w) {
     const int64_t n = w->s.n_control;
     double* theta = malloc((size_t)n * sizeof *theta);
@@ -54,8 +68,11 @@ static int start_run(job* w) {
         theta[i] = w->o.fixed_control ? 1.0 : 0.5;
         theta[i + 1] = SCENE_OMEGA0;
         theta[i + 2] = 0.0;
+        outcome = phase_of(w->s.space, (int32_t)(i / 3), (int32_t)(n / 3), &theta[i + 2]);
+        if (outcome != DONE) break;
     }
-    if (w->o.mlp) outcome = say_status(dqa_controller_get_parameters(w->s.controller, theta, n), "read the controller");
+    if (outcome == DONE && w->o.mlp)
+        outcome = say_status(dqa_controller_get_parameters(w->s.controller, theta, n), "read the controller");
     if (outcome == DONE) outcome = run_create(&w->r, &w->o, w->s.n_weights, theta, n, SCENE_OMEGA0);
     free(theta);
     if (outcome == DONE) w->has_run = 1;
