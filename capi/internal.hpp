@@ -67,8 +67,14 @@ struct dqa_adjoint {
 
 namespace dqa::capi {
 
-// Runs f; turns exceptions into a status and the thread's last error.
-dqa_status guard(const std::function<void()>& f) noexcept;
+// Runs f; turns exceptions into a status and the thread's last error. f is passed by address: a std::function would
+// need memory outside of the barrier.
+dqa_status guard_call(void (*call)(void*), void* f) noexcept;
+
+template <class F>
+dqa_status guard(F&& f) noexcept {
+    return guard_call([](void* g) { (*static_cast<std::remove_reference_t<F>*>(g))(); }, &f);
+}
 
 [[noreturn]] void bad_null(const char* name);
 

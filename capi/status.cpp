@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Status, last error, version, logs, cancel tokens; the exception barrier and the checks of the other files.
+#include <array>
 #include <cinttypes>
+#include <cstdio>
 #include <new>
 
 #include "grid/log.hpp"
@@ -31,9 +33,9 @@ dqa_status remember(dqa::Status status, const char* message) noexcept {
 
 namespace dqa::capi {
 
-dqa_status guard(const std::function<void()>& f) noexcept {
+dqa_status guard_call(void (*call)(void*), void* f) noexcept {
     try {
-        f();
+        call(f);
         return DQA_SUCCESS;
     } catch (const Error& e) {
         return remember(e.status(), e.what());
@@ -118,21 +120,27 @@ int32_t dqa_abi_version(void) {
 }
 
 const char* dqa_features(void) {
-    static const std::string features = [] {
-        std::string f;
-#if defined(DQA_HAVE_ASSIMP)
-        f += "assimp ";
-#endif
-        f += dqa::direct_solver_name();
-#if defined(_OPENMP)
-        f += " openmp";
-#endif
+    // Without memory of its own: nothing here may fail.
+    static const auto features = [] {
         const auto best = dqa::choose_instruction_set(dqa::InstructionSet::automatic);
-        if (static_cast<int>(best) >= static_cast<int>(dqa::InstructionSet::avx2)) f += " avx2";
-        if (best == dqa::InstructionSet::avx512) f += " avx512";
+        std::array<char, 128> f{};
+        std::snprintf(f.data(), f.size(), "%s%s%s%s%s",
+#if defined(DQA_HAVE_ASSIMP)
+                      "assimp ",
+#else
+                      "",
+#endif
+                      dqa::direct_solver_name(),
+#if defined(_OPENMP)
+                      " openmp",
+#else
+                      "",
+#endif
+                      best >= dqa::InstructionSet::avx2 ? " avx2" : "",
+                      best == dqa::InstructionSet::avx512 ? " avx512" : "");
         return f;
     }();
-    return features.c_str();
+    return features.data();
 }
 
 const char* dqa_status_name(dqa_status status) {

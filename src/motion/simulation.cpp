@@ -25,6 +25,12 @@ void Simulation::restore(const State& state, long steps) {
     forces_ = {};
 }
 
+void Simulation::take_back(State&& state, long steps, const WaterTotals& forces) noexcept {
+    state_ = std::move(state);
+    steps_ = steps;
+    forces_ = forces;
+}
+
 StepReport Simulation::step(const StepInput& input) {
     const StepReport report = stepper_.step(state_, input, steps_, next_);
     forces_ = stepper_.totals(next_);

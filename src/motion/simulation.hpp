@@ -32,6 +32,8 @@ public:
     void set_state(const double* q, const double* v);
     // Puts the simulation where another of the same design stood.
     void restore(const State& state, long steps);
+    // Takes back what was kept of the simulation before a step.
+    void take_back(State&& state, long steps, const WaterTotals& forces) noexcept;
     // One step; on an exception the state is that before the call.
     StepReport step(const StepInput& input);
 

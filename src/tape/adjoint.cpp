@@ -117,7 +117,7 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
     while (position_ > to_step) {
         const long step = position_ - 1;
         // Into fresh arrays: the running cotangents change only once the step succeeded, so that it can be tried again.
-        const State& now = reader_.state(step);
+        State now = reader_.state(step);
         std::vector<double> theta_bar(theta_bar_);
         DesignBar bar(bar_);
         const StepInput input{tape_->actuation(step).data(), tape_->current(step)};
@@ -132,12 +132,13 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         if (by_totals) add(step_bar_, totals_step_bar_);
         efforts(step, step_bar_.signals);
         control(step, now, step_bar_, theta_bar, bar);
+        // Nothing throws until the cursor has moved.
         iterations_ += report.linear_iterations;
         worst_residual_ = std::max(worst_residual_, report.residual);
         std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);
-        signal_bar_[static_cast<std::size_t>(step)] = step_bar_.signals;
+        signal_bar_[static_cast<std::size_t>(step)] = std::move(step_bar_.signals);
         current_bar_[static_cast<std::size_t>(step)] = step_bar_.current;
-        next_ = now;
+        next_ = std::move(now);
         position_ = step;
         collect(step);
         // A function's pullback hears of every step once; tables are gathered on demand.

@@ -95,29 +95,42 @@ void Tape::begin(const Simulation& simulation) {
 }
 
 void Tape::append(const Simulation& simulation, const StepInput& input, const StepReport& report) {
-    actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
-    current_.push_back(input.current);
-    current_source_.push_back(simulation.current());
-    observed_.push_back(observed_of(simulation));
+    const std::size_t n = actuation_.size(), observed = observed_.size();
+    try {
+        actuation_.emplace_back(input.signals, input.signals + design_->n_signals());
+        current_.push_back(input.current);
+        current_source_.push_back(simulation.current());
+        observed_.push_back(observed_of(simulation));
+        keep_state(simulation);
+    } catch (...) {  // out of memory: as it was
+        actuation_.resize(n), current_.resize(n), current_source_.resize(n), observed_.resize(observed);
+        throw;
+    }
     statistics_.bytes += input_bytes(*design_);
+    statistics_.newton_iterations += report.newton_iterations;
+    statistics_.linear_iterations += report.linear_iterations;
+    statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
+}
+
+// All of it or, on an exception, nothing.
+void Tape::keep_state(const Simulation& simulation) {
     if (stride_ == 1) {
         State s;
         s.q = simulation.q();
         if (is_two_step(*design_)) s.v = simulation.v();
-        statistics_.bytes += bytes_of(s);
+        const std::int64_t bytes = bytes_of(s);
         states_.push_back(std::move(s));
-    } else {
-        statistics_.bytes -= bytes_of(last_);
-        last_ = simulation.state();
-        statistics_.bytes += bytes_of(last_);
-        if (n_steps() % stride_ == 0) {
-            states_.push_back(last_);
-            statistics_.bytes += bytes_of(last_);
-        }
+        statistics_.bytes += bytes;
+        return;
     }
-    statistics_.newton_iterations += report.newton_iterations;
-    statistics_.linear_iterations += report.linear_iterations;
-    statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
+    State s = simulation.state();
+    const std::int64_t bytes = bytes_of(s);
+    if (n_steps() % stride_ == 0) {
+        states_.push_back(s);
+        statistics_.bytes += bytes;
+    }
+    statistics_.bytes += bytes - bytes_of(last_);
+    last_ = std::move(s);
 }
 
 bool Tape::continues(const Simulation& simulation) const {
@@ -211,13 +224,18 @@ StepReport advance(Simulation& simulation, const std::vector<double>& signals, c
     if (!tape) return simulation.step(input);
     tape->make_room(simulation.design());
     const bool first = tape->empty();
-    tape->begin(simulation);
+    // Simulation and tape go on together or not at all, also when there is no memory for the record.
+    State before = simulation.state();
+    const long steps = simulation.steps();
+    const WaterTotals forces = simulation.forces();
     try {
+        tape->begin(simulation);
         const StepReport report = simulation.step(input);
         tape->append(simulation, input, report);
         return report;
     } catch (...) {
         if (first) tape->clear();
+        simulation.take_back(std::move(before), steps, forces);
         throw;
     }
 }

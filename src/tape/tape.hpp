@@ -82,6 +82,7 @@ public:
 private:
     void thin(long stride);
     void count_bytes();
+    void keep_state(const Simulation& simulation);
 
     std::int64_t memory_bytes_;
     std::shared_ptr<const Design> design_;
