@@ -1,9 +1,11 @@
 #!/bin/sh
-# Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the whole suite
-# of the optimised build, whose ctest summary is the last thing printed. Stops at the first run that fails.
+# Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the line coverage of
+# the quick ones against its goals (tests/coverage.sh), then the whole suite of the optimised build, whose ctest summary
+# is the last thing printed. Stops at the first run that fails.
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
 #   DQA_TEST_ASAN   0 leaves the sanitizer run out
+#   DQA_TEST_COVERAGE   0 leaves the coverage run out
 set -eu
 cd "$(dirname "$0")/.."
 repo=$(pwd)
@@ -37,6 +39,10 @@ if [ "${DQA_TEST_ASAN:-1}" != 0 ]; then
     build asan
     echo "run: tests under the address and undefined-behaviour sanitizers"
     ctest --preset asan --parallel "$jobs"
+fi
+if [ "${DQA_TEST_COVERAGE:-1}" != 0 ]; then
+    build coverage
+    ./tests/coverage.sh
 fi
 echo "run: all tests"
 ctest --preset default --parallel "$jobs"

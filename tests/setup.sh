@@ -14,6 +14,7 @@ libsuitesparse-dev     # CHOLMOD and UMFPACK: sparse factorisations
 libopenblas-dev        # BLAS under CHOLMOD
 libassimp-dev          # STL, OBJ and PLY meshes
 libcmocka-dev          # test framework
+gcovr                  # line coverage
 gnuplot-nox            # the pictures of codesign
 ccache                 # makes the second build short
 LIST

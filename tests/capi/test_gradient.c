@@ -54,6 +54,16 @@ static void check_arguments(void** state) {
     options.step = NAN;
     refused(dqa_check_gradient(simulator, NULL, &term, 1, &options, &report, sizeof report), DQA_ERROR_ARGUMENT,
             "step");
+    /* A controller for another number of signals. */
+    {
+        dqa_simulator_info info;
+        dqa_controller* other = NULL;
+        ok(dqa_simulator_get_info(simulator, &info, sizeof info));
+        ok(dqa_controller_create_sinusoid(info.n_signals + 1, 1.0 / 30.0, &other));
+        refused(dqa_check_gradient(simulator, other, &term, 1, NULL, &report, sizeof report), DQA_ERROR_ARGUMENT,
+                "controller");
+        dqa_controller_free(other);
+    }
     /* Without a controller there is no control gradient to check. */
     ok(dqa_gradient_check_options_init(&options, sizeof options));
     options.with_respect_to = DQA_WRT_CONTROL;
@@ -103,6 +113,12 @@ static void adam_arguments(void** state) {
     refused(dqa_adam_step(x, g, r, m, s, 2, 0), DQA_ERROR_ARGUMENT, "iteration");
     g[1] = NAN;
     refused(dqa_adam_step(x, g, r, m, s, 2, 1), DQA_ERROR_ARGUMENT, "gradient");
+    g[1] = -0.2;
+    r[1] = -0.1;
+    refused(dqa_adam_step(x, g, r, m, s, 2, 1), DQA_ERROR_ARGUMENT, "rates");
+    r[1] = 0.1;
+    s[1] = -1e-9;
+    refused(dqa_adam_step(x, g, r, m, s, 2, 1), DQA_ERROR_ARGUMENT, "second_moment");
     assert_true(x[0] == 1.0 && x[1] == 2.0 && m[0] == 0.0 && s[0] == 0.0);
 }
 

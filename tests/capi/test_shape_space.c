@@ -109,6 +109,8 @@ static void meshes_are_checked(void** state) {
 static void mesh_files_are_checked(void** state) {
     dqa_shape_space* space = tiny_space_open();
     FILE* file;
+    int32_t base = -1;
+    int i, k;
     (void)state;
     refused(dqa_shape_space_add_mesh_file(space, "no/such/file.stl", NULL), DQA_ERROR_IO, "stl");
     file = fopen("garbage.stl", "wb");
@@ -120,6 +122,23 @@ static void mesh_files_are_checked(void** state) {
     assert_non_null(file);
     fclose(file);
     refused(dqa_shape_space_add_mesh_file(space, "empty.stl", NULL), DQA_ERROR_FILE, "stl");
+    /* A good one, and the name that its base gets from it. */
+    file = fopen("tetrahedron.v2.stl", "wb");
+    assert_non_null(file);
+    fputs("solid t\n", file);
+    for (i = 0; i < 4; ++i) {
+        fputs("facet normal 0 0 0\nouter loop\n", file);
+        for (k = 0; k < 3; ++k) {
+            const double* v = TETRAHEDRON[FACES[i][k]];
+            fprintf(file, "vertex %g %g %g\n", v[0], v[1], v[2]);
+        }
+        fputs("endloop\nendfacet\n", file);
+    }
+    fputs("endsolid t\n", file);
+    fclose(file);
+    ok(dqa_shape_space_add_mesh_file(space, "./tetrahedron.v2.stl", &base));
+    assert_int_equal(base, 2);
+    assert_string_equal(dqa_shape_space_base_name(space, 2), "tetrahedron.v2");
     dqa_shape_space_free(space);
 }
 
@@ -241,6 +260,7 @@ static void fins_and_their_signals(void** state) {
     caudal.category = 7;
     caudal.mean[0] = -0.3;
     ok(dqa_shape_space_add_actuator(space, 0, &caudal));
+    ok(dqa_actuator_options_init(&read, sizeof read));
     ok(dqa_shape_space_get_actuator(space, 0, 3, DQA_SIDE_RIGHT, &read));
     assert_true(read.mean[1] == -0.1 && read.euler[0] == -0.2 && read.variance[1] == 0.012 && read.layers == 4);
     assert_int_equal(read.kind, DQA_ACTUATOR_FINS);
@@ -374,6 +394,7 @@ static void build_freezes(void** state) {
     ok(dqa_shape_space_get_info(space, &info, sizeof info));
     assert_int_equal(info.is_built, 0);
     assert_int_equal(info.n_signals, 0);
+    refused(dqa_shape_space_build(space, cancel_at_once, NULL), DQA_CANCELLED, "callback");
     ok(dqa_shape_space_build(space, count_progress, &calls));
     ok(dqa_shape_space_get_info(space, &info, sizeof info));
     assert_int_equal(info.struct_size, sizeof info);

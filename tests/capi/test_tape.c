@@ -33,6 +33,15 @@ static int32_t n_signals(void) {
     return info.n_signals;
 }
 
+/* Steps of a controller and steps of the caller's own do not mix on one tape. */
+static void controllers_steps_stay_alone(void** state) {
+    dqa_tape* tape = tiny_tape(simulator, 1);
+    double u[64] = {0};
+    (void)state;
+    refused(dqa_simulator_step(simulator, u, n_signals(), tape), DQA_ERROR_STATE, "controller");
+    dqa_tape_free(tape);
+}
+
 static void null_arguments(void** state) {
     dqa_tape* tape = tiny_tape(simulator, 1);
     dqa_tape* none = (dqa_tape*)&none;
@@ -309,9 +318,13 @@ static void memory_budget_holds(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(null_arguments, at_rest),       cmocka_unit_test_setup(records_what_happened, at_rest),
-        cmocka_unit_test_setup(objective_is_checked, at_rest), cmocka_unit_test_setup(record_is_one_piece, at_rest),
-        cmocka_unit_test_setup(memory_budget_holds, at_rest),  cmocka_unit_test_setup(kinds_of_objective, at_rest),
+        cmocka_unit_test_setup(controllers_steps_stay_alone, at_rest),
+        cmocka_unit_test_setup(null_arguments, at_rest),
+        cmocka_unit_test_setup(records_what_happened, at_rest),
+        cmocka_unit_test_setup(objective_is_checked, at_rest),
+        cmocka_unit_test_setup(record_is_one_piece, at_rest),
+        cmocka_unit_test_setup(memory_budget_holds, at_rest),
+        cmocka_unit_test_setup(kinds_of_objective, at_rest),
     };
     return cmocka_run_group_tests_name("tape", tests, open_scene, close_scene);
 }
