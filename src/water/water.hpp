@@ -9,8 +9,8 @@
 // The first two terms are the gradient of the convex dissipation h/2 (c_d |u+|^2 + c_t (n.u+)^2): with explicit forces
 // the light nodes of the surface blow up.
 //
-// Two variants for comparison, as the public code of DiffAqua evaluates the force: `explicit_forces` puts the velocity
-// of the start of the step in the place of u+ (the force is then that of the paper, constant during the step), and
+// Two variants for comparison, as the public code of DiffAqua evaluates the force: `explicit_forces` puts the lagged
+// velocity in the place of u+ (the force is then that of the paper, constant during the step), and
 // `windward_only` counts only faces that move into the water (n.u > 0). The latter jumps at Phi = 0: its pullback is
 // that of the side on which a face lies.
 #pragma once
