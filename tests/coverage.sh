@@ -14,7 +14,7 @@ build=build/coverage
 traces=$build/coverage.json
 
 find "$build" -name '*.gcda' -delete
-ctest --preset coverage --parallel "$jobs" --quiet
+ctest --preset coverage --parallel "$jobs"
 gcovr -j "$jobs" --root . --object-directory "$build" --filter 'capi/' --filter 'src/' \
     --json "$traces"
 status=0
