@@ -267,7 +267,7 @@ static void simulator_ranges(void** state) {
         MI(threads, 0),
         MI(threads, -1),
         MI(method, -1),
-        MI(method, 2),
+        MI(method, 3),
         MI(water, -1),
         MI(water, 3),
         MI(water_faces, -1),
