@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kLevels = 6;           // steps of the ladder
 constexpr double kRatio = 0.25;      // between them
+constexpr double kSettled = 0.02;    // of successive slopes of the remainder
 constexpr double kAgreement = 2e-8;  // of neighbouring entries: smaller steps would only add rounding
 
 // splitmix64: the same direction everywhere for the same seed.
@@ -390,14 +391,20 @@ GradientCheckReport check_gradient(const Simulation& simulation, const Controlle
     }
     const double error = std::fabs(report.adjoint - report.finite_difference);
     report.relative_error = error == 0.0 ? 0.0 : error / std::fabs(report.finite_difference);
-    // Slope of the remainder over the two smallest steps at which it stands well above the rounding of the loss.
+    // Slope of the remainder between the smallest steps at which it stands well above the rounding of the loss; smaller
+    // steps are added until it settles.
     const double rounding = 2e-14 * (std::fabs(loss) + std::fabs(report.adjoint) * step[0]) + 1e-17;
-    int last = 0;
-    while (last + 1 < levels && remainder[last + 1] > 1e3 * rounding) ++last;
-    if (last >= 1)
-        report.taylor_slope = std::log(remainder[last - 1] / remainder[last]) / std::log(1.0 / kRatio);
-    else
-        report.taylor_slope = std::numeric_limits<double>::quiet_NaN();
+    report.taylor_slope = std::numeric_limits<double>::quiet_NaN();
+    for (int k = 1; k < kLevels; ++k) {
+        if (k >= levels) {
+            step[k] = first_step * std::pow(kRatio, k);
+            remainder[k] = std::fabs(at(step[k]) - loss - step[k] * report.adjoint);
+        }
+        if (!(remainder[k] > 1e3 * rounding)) break;
+        const double before = report.taylor_slope;
+        report.taylor_slope = std::log(remainder[k - 1] / remainder[k]) / std::log(1.0 / kRatio);
+        if (k + 1 >= levels && std::fabs(report.taylor_slope - before) <= kSettled) break;
+    }
     return report;
 }
 
