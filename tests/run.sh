@@ -22,6 +22,8 @@ else
 fi
 
 jobs=${DQA_TEST_JOBS:-$(nproc)}
+# Tests run side by side: threads of BLAS beneath them would only get in each other's way.
+export OPENBLAS_NUM_THREADS=1
 launcher=
 if command -v ccache >/dev/null 2>&1; then
     launcher="-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache"
