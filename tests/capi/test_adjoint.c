@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT
  * The adjoint: seeds, the sweep in one piece or in several, results, and its refusals. */
-#include "support.h"
+#include "scene.h"
 
 enum { STEPS = 4 };
 
-static dqa_shape_space* space;
-static dqa_simulator* simulator;
 static dqa_tape* tape;
 static int64_t n_state;
 static int32_t n_signals;
 
-static int open_scene(void** state) {
+static int open_recorded_scene(void** state) {
     dqa_simulator_info info;
-    (void)state;
-    space = tiny_space();
-    simulator = tiny_simulator(space);
+    (void)open_scene(state);
     tape = tiny_tape(simulator, STEPS);
     n_state = state_length(simulator);
     ok(dqa_simulator_get_info(simulator, &info, sizeof info));
@@ -22,12 +18,9 @@ static int open_scene(void** state) {
     return 0;
 }
 
-static int close_scene(void** state) {
-    (void)state;
+static int close_recorded_scene(void** state) {
     dqa_tape_free(tape);
-    dqa_simulator_free(simulator);
-    dqa_shape_space_free(space);
-    return 0;
+    return close_scene(state);
 }
 
 /* All the gradients of one sweep, behind one another, so that two sweeps compare in one line. */
@@ -252,5 +245,5 @@ int main(void) {
         cmocka_unit_test(order_is_checked), cmocka_unit_test(sweep_may_stop_and_go_on),
         cmocka_unit_test(seeds_accumulate), cmocka_unit_test(control_needs_a_controller),
     };
-    return cmocka_run_group_tests_name("adjoint", tests, open_scene, close_scene);
+    return cmocka_run_group_tests_name("adjoint", tests, open_recorded_scene, close_recorded_scene);
 }

@@ -1,25 +1,18 @@
 /* SPDX-License-Identifier: MIT
  * Currents over time: from options, tables and callbacks; on tapes; their gradients; and the water's variants. */
-#include "support.h"
+#include "scene.h"
 
-static dqa_shape_space* space;
-static dqa_simulator* simulator;
 static dqa_controller* controller;
 
-static int open_scene(void** state) {
-    (void)state;
-    space = tiny_space();
-    simulator = tiny_simulator(space);
+static int open_driven_scene(void** state) {
+    (void)open_scene(state);
     controller = tiny_controller(simulator);
     return 0;
 }
 
-static int close_scene(void** state) {
-    (void)state;
+static int close_driven_scene(void** state) {
     dqa_controller_free(controller);
-    dqa_simulator_free(simulator);
-    dqa_shape_space_free(space);
-    return 0;
+    return close_scene(state);
 }
 
 enum { STEPS = 4 };
@@ -259,5 +252,5 @@ int main(void) {
         cmocka_unit_test(bad_tables),
         cmocka_unit_test(variants),
     };
-    return cmocka_run_group_tests_name("current", tests, open_scene, close_scene);
+    return cmocka_run_group_tests_name("current", tests, open_driven_scene, close_driven_scene);
 }

@@ -1,23 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * The library's own proof of its gradient, and the stateless helpers for optimisers. */
-#include "support.h"
-
-static dqa_shape_space* space;
-static dqa_simulator* simulator;
-
-static int open_scene(void** state) {
-    (void)state;
-    space = tiny_space();
-    simulator = tiny_simulator(space);
-    return 0;
-}
-
-static int close_scene(void** state) {
-    (void)state;
-    dqa_simulator_free(simulator);
-    dqa_shape_space_free(space);
-    return 0;
-}
+#include "scene.h"
 
 static dqa_objective_term travel(void) {
     dqa_objective_term term;

@@ -2,26 +2,9 @@
  * Growable structs: their sizes through time, and the range of every option. */
 #include <stdio.h>
 
-#include "support.h"
+#include "scene.h"
 
 typedef dqa_status (*create_function)(const void* options);
-
-static dqa_shape_space* space;
-static dqa_simulator* simulator;
-
-static int open_scene(void** state) {
-    (void)state;
-    space = tiny_space();
-    simulator = tiny_simulator(space);
-    return 0;
-}
-
-static int close_scene(void** state) {
-    (void)state;
-    dqa_simulator_free(simulator);
-    dqa_shape_space_free(space);
-    return 0;
-}
 
 /* Creates from the options and frees at once; the handle must be NULL exactly when the call failed. */
 static dqa_status create_space(const void* options) {

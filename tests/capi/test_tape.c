@@ -1,25 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * The tape: recording, reading back, the objective, and its refusals. */
-#include "support.h"
+#include "scene.h"
 
 enum { STEPS = 4 };
-
-static dqa_shape_space* space;
-static dqa_simulator* simulator;
-
-static int open_scene(void** state) {
-    (void)state;
-    space = tiny_space();
-    simulator = tiny_simulator(space);
-    return 0;
-}
-
-static int close_scene(void** state) {
-    (void)state;
-    dqa_simulator_free(simulator);
-    dqa_shape_space_free(space);
-    return 0;
-}
 
 static int at_rest(void** state) {
     (void)state;
