@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Checkpoints. Text with hexadecimal floating-point numbers, which keep every bit and survive a change of machine;
- * the last line is a checksum of all before it (64-bit FNV-1a), so that damage is found before anything is read. */
+ * the last line is a checksum of all before it, so that damage is found before anything is read. */
 #include "checkpoint.h"
 
 #include <inttypes.h>
@@ -9,19 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hash.h"
 #include "memory_text.h"
 #include "output.h"
 #include "say.h"
 
 #define MAGIC "codesign checkpoint 2\n"
 #define SETTINGS_END "settings-end\n"
-
-static uint64_t fnv(const void* data, size_t size) {
-    const unsigned char* bytes = data;
-    uint64_t hash = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * UINT64_C(1099511628211);
-    return hash;
-}
 
 char* checkpoint_settings(const options* o) {
     memory_text t;
@@ -32,10 +26,11 @@ char* checkpoint_settings(const options* o) {
                     : o->fixed_control ? "fixed"
                                        : "free",
                     (int)o->n_meshes);
+    physics_add_settings(&o->laws, &t);
     for (int32_t k = 0; k < o->loss.n_terms; ++k)
         memory_text_add(&t, "objective %s %.17g\n", objective_name(o->loss.kinds[k]), o->loss.weights[k]);
     if (o->loss.n_path > 0)
-        memory_text_add(&t, "path %016" PRIx64 "\n", fnv(o->loss.path, (size_t)o->loss.n_path * sizeof(double)));
+        memory_text_add(&t, "path %016" PRIx64 "\n", hash_bytes(o->loss.path, (size_t)o->loss.n_path * sizeof(double)));
     for (int32_t i = 0; i < o->n_meshes; ++i) {
         const char* slash = strrchr(o->meshes[i], '/');
         size_t size = 0;
@@ -45,7 +40,7 @@ char* checkpoint_settings(const options* o) {
             return NULL;
         }
         memory_text_add(&t, "base-%d %s (content %016" PRIx64 ")\nweight-%d %.17g\n", (int)i + 1,
-                        slash != NULL ? slash + 1 : o->meshes[i], fnv(content, size), (int)i + 1, o->weights[i]);
+                        slash != NULL ? slash + 1 : o->meshes[i], hash_bytes(content, size), (int)i + 1, o->weights[i]);
         free(content);
     }
     for (int32_t i = 0; i < o->list.n_actuators; ++i) {
@@ -119,7 +114,7 @@ int checkpoint_save(const run* r, const char* settings, const char* folder) {
         put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
     }
-    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : fnv(t.text, t.length));
+    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : hash_bytes(t.text, t.length));
     if (t.failed) {
         memory_text_end(&t);
         return say_no_memory();
@@ -258,7 +253,7 @@ static int verify(char* text, size_t size) {
     char line[32];
     const size_t tail = (size_t)snprintf(line, sizeof line, "checksum %016x\n", 0u);
     if (size < tail || strncmp(text, MAGIC, strlen(MAGIC)) != 0) return FAILED;
-    (void)snprintf(line, sizeof line, "checksum %016" PRIx64 "\n", fnv(text, size - tail));
+    (void)snprintf(line, sizeof line, "checksum %016" PRIx64 "\n", hash_bytes(text, size - tail));
     if (memcmp(text + size - tail, line, tail) != 0) return FAILED;
     text[size - tail] = '\0';
     return DONE;

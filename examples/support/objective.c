@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "memory_text.h"
 #include "say.h"
+#include "table.h"
 
 static const char* const names[OBJECTIVE_KINDS] = {"travel", "keep", "efficiency", "effort", "path"};
 
@@ -51,37 +51,6 @@ static int parse_terms(objective* o, const char* text) {
     }
 }
 
-static int read_path(objective* o, const char* file) {
-    size_t size = 0;
-    char* text = memory_text_read(file, &size);
-    const char* at = text;
-    int64_t capacity = 0;
-    int bad = 0;
-    if (text == NULL) return FAILED;
-    while (!bad && *(at += strspn(at, " \t\r\n,;")) != '\0') {
-        char* end = NULL;
-        const double value = strtod(at, &end);
-        if (o->n_path == capacity) {
-            double* more = realloc(o->path, (size_t)(capacity = 2 * capacity + 64) * sizeof *more);
-            if (more == NULL) {
-                free(text);
-                return say_no_memory();
-            }
-            o->path = more;
-        }
-        bad = end == at || !isfinite(value);
-        if (!bad && o->n_path % 4 == 0 && o->n_path >= 4) bad = !(value > o->path[o->n_path - 4]);
-        if (!bad) o->path[o->n_path++] = value;
-        at = end;
-    }
-    free(text);
-    if (bad || o->n_path == 0 || o->n_path % 4 != 0) {
-        say("%s: expected lines of four numbers, time in s and x, y, z in m, with times that increase", file);
-        return USAGE;
-    }
-    return DONE;
-}
-
 int objective_parse(objective* o, const char* text, const char* path_file) {
     int has_path = 0;
     int outcome;
@@ -93,7 +62,7 @@ int objective_parse(objective* o, const char* text, const char* path_file) {
         say(has_path ? "--objective path needs --path FILE with its points" : "--path is only for --objective path");
         return USAGE;
     }
-    return has_path ? read_path(o, path_file) : DONE;
+    return has_path ? table_read(path_file, "m", &o->path, &o->n_path) : DONE;
 }
 
 void objective_free(objective* o) {

@@ -48,6 +48,14 @@ static const char help[] =
     "  --objective LIST  travel, keep (its place), efficiency, effort, path, or a sum with weights like\n"
     "                    travel:1,effort:0.01; what is made smallest (travel)\n"
     "  --path FILE       of the objective path: lines of time (s) and x, y, z (m) where the centre should be\n"
+    "  --automatic-fins  meshes without given muscles also get fins where their geometry has them\n"
+    "  --interpolation I  of muscles between the meshes: linear, or bures, the optimal transport of Gaussians "
+    "(linear)\n"
+    "  --material M      corotated; volume: it also resists changes of volume; neo-hookean (corotated)\n"
+    "  --integrator I    euler, or bdf2: second order in time (euler)\n"
+    "  --planar          nothing moves up or down\n"
+    "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
+    "  --current-file FILE  the same over time: lines of time (s) and x, y, z (m/s), straight between them\n"
     "  --checkpoint-mib N  memory for the record of a rollout; what does not fit is computed again (no limit)\n"
     "  --weights a,b,... initial share of each mesh; they sum to 1 (equal shares)\n"
     "  --out DIR         folder of the results (./codesign-out)\n"
@@ -143,6 +151,7 @@ static int add_mesh(options* o, const char* path) {
 typedef struct given {
     const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
         *bases_file;
+    physics_words laws;
 } given;
 
 static const char** value_slot(given* g, options* o, const char* name, size_t length) {
@@ -160,7 +169,12 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--objective", &g->objective},
                  {"--path", &g->path},
                  {"--checkpoint-mib", &g->checkpoint_mib},
-                 {"--bases-file", &g->bases_file}};
+                 {"--bases-file", &g->bases_file},
+                 {"--interpolation", &g->laws.interpolation},
+                 {"--material", &g->laws.material},
+                 {"--integrator", &g->laws.integrator},
+                 {"--current", &g->laws.current},
+                 {"--current-file", &g->laws.current_file}};
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
     return NULL;
@@ -186,6 +200,10 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
             o->quick = 1;
         } else if (strcmp(word, "--resume") == 0) {
             o->resume = 1;
+        } else if (strcmp(word, "--automatic-fins") == 0) {
+            g->laws.automatic_fins = 1;
+        } else if (strcmp(word, "--planar") == 0) {
+            g->laws.planar = 1;
         } else if ((slot = value_slot(g, o, word, equals != NULL ? (size_t)(equals - word) : strlen(word))) != NULL) {
             if (equals == NULL && i + 1 == argc) {
                 say("%s expects a value; see codesign --help", word);
@@ -230,6 +248,7 @@ static int resolve_task(options* o, const given* g) {
     if (g->checkpoint_mib != NULL)
         outcome = parse_count("--checkpoint-mib", g->checkpoint_mib, 1, 1000000, &o->checkpoint_mib);
     if (outcome == DONE) outcome = objective_parse(&o->loss, g->objective != NULL ? g->objective : "travel", g->path);
+    if (outcome == DONE) outcome = physics_parse(&o->laws, &g->laws);
     return outcome;
 }
 
@@ -317,6 +336,7 @@ void options_free(options* o) {
     for (int32_t i = 0; i < o->n_meshes; ++i) free(o->meshes[i]);
     o->n_meshes = 0;
     objective_free(&o->loss);
+    physics_free(&o->laws);
     bases_free(&o->list);
 }
 

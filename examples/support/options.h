@@ -7,6 +7,7 @@
 
 #include "bases.h"
 #include "objective.h"
+#include "physics.h"
 
 #define OPTIONS_MAX_BASES 64
 
@@ -19,6 +20,7 @@ typedef struct options {
     int fixed_control;  /* only the weights are optimised */
     int mlp;            /* the controller is a perceptron, not a sine */
     objective loss;
+    physics laws;
     int64_t checkpoint_mib;            /* memory budget of the tape; 0: none */
     int quick;                         /* the coarse settings were asked for */
     int resume;                        /* continue from the checkpoint in `out` */

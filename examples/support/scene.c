@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * The swimmer in its water. Material, water and muscles keep the library's defaults. */
+ * The swimmer in its water. What the command line does not name keeps the library's defaults. */
 #include "scene.h"
 
 #include <math.h>
@@ -44,6 +44,7 @@ static int build_space(scene* s, const options* o, progress* p) {
     settings.sigma = o->sigma;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
+    physics_of_space(&o->laws, &settings);
     progress_stage(p, PROGRESS_SPACE);
     if (o->list.n_actuators > 0) outcome = find_cell_size(s, o, &settings);
     if (outcome == DONE) outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
@@ -80,7 +81,9 @@ static int build_simulator(scene* s, const options* o) {
     settings.time_step = SCENE_TIME_STEP;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
+    physics_of_simulator(&o->laws, &settings);
     outcome = say_status(dqa_simulator_create(s->space, &settings, &s->simulator), "create the simulator");
+    if (outcome == DONE) outcome = physics_set_current(&o->laws, s->simulator);
     if (outcome == DONE) outcome = build_controller(s, o, info.n_signals);
     if (outcome == DONE)
         outcome = say_status(dqa_controller_n_parameters(s->controller, &s->n_control), "read the controller");

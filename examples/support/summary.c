@@ -28,6 +28,7 @@ static void write_settings(json* j, const options* o, const run* r) {
             json_number(j, objective_name(o->loss.kinds[k]), o->loss.weights[k]);
         json_close(j, '}');
     }
+    physics_write(&o->laws, j);
     json_integer(j, "checkpoint_mib", o->checkpoint_mib);
     json_string(j, "optimizer", "adam, weights projected onto the simplex");
     json_number(j, "rate_weights", r->rates[0]);

@@ -293,6 +293,77 @@ class Tasks(Scratch):
         self.assertIn("path", process.stderr)
 
 
+class Laws(Scratch):
+    """Other water, material, integrator and muscles."""
+
+    SMALL = ("--grid", "20x8x10", "--steps", 8, "--iterations", 2)
+
+    def table(self, text):
+        path = self.path("current.txt")
+        with open(path, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        return path
+
+    def test_all_at_once(self):
+        out, file = self.path("all"), self.table("0 0.3 0 0\n0.2, 0.1, 0.1, 0\n")
+        laws = ("--interpolation", "bures", "--automatic-fins", "--material", "volume", "--integrator", "bdf2", "--planar",
+                "--current-file", file)
+        process = self.codesign(*self.SMALL, *laws, "--out", out)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        summary = results.read_summary(out)
+        settings = summary["settings"]
+        self.assertEqual({name: settings[name] for name in ("interpolation", "automatic_fins", "material", "integrator",
+                                                            "planar", "current", "current_file")},
+                         {"interpolation": "bures", "automatic_fins": True, "material": "volume",
+                          "integrator": "bdf2", "planar": True, "current": [], "current_file": file})
+        for name in ("weights", "control"):
+            self.assertLessEqual(summary["gradient_check"][name]["relative_error"], 1e-6, name)
+        last = results.read_vtu(os.path.join(out, "frames", "swimmer_0008.vtu"))
+        self.assertEqual(max(map(abs, last["displacement"][2::3])), 0.0, "a planar swimmer rose or sank")
+        self.assertGreater(max(map(abs, last["displacement"][1::3])), 1e-6)
+        self.assertEqual(self.codesign(*self.SMALL, *laws, "--out", out, "--resume").returncode, 0)
+
+        def changed(option, value):
+            at = laws.index(option)
+            return laws[:at + 1] + (value,) + laws[at + 2:]
+        still = laws[:-2]
+        for other, word in ((changed("--interpolation", "linear"), "interpolation"),
+                            (changed("--material", "neo-hookean"), "material"),
+                            (changed("--integrator", "euler"), "integrator"),
+                            ([word for word in laws if word != "--automatic-fins"], "automatic-fins"),
+                            ([word for word in laws if word != "--planar"], "planar"),
+                            (still, "current"), (still + ("--current", "0.3,0,0"), "current")):
+            process = self.codesign(*self.SMALL, *other, "--out", out, "--resume")
+            self.assertEqual(process.returncode, 2, process.stderr)
+            self.assertRegex(process.stderr, f'it has "{word}')
+        self.table("0 0.3 0 0\n0.2, 0.1, 0.1, 0.01\n")
+        process = self.codesign(*self.SMALL, *laws, "--out", out, "--resume")
+        self.assertEqual(process.returncode, 2, process.stderr)
+        self.assertIn("current-file", process.stderr)
+
+    def test_materials_differ(self):
+        losses = set()
+        for material in ("corotated", "volume", "neo-hookean"):
+            out = self.path(material)
+            process = self.codesign(*self.SMALL, "--iterations", 1, "--material", material, "--out", out)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            losses.add(results.read_summary(out)["loss_first"])
+        self.assertEqual(len(losses), 3)
+
+    def test_a_current_carries_the_swimmer(self):
+        losses = []
+        for k, current in enumerate((("--current", "0.5,0,0"), ("--current-file", self.table("0 0.5 0 0\n")),
+                                     ("--current", "0,0,0"), ())):
+            out = self.path(f"current-{k}")
+            process = self.codesign(*self.SMALL, "--iterations", 1, *current, "--out", out)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            losses.append(results.read_summary(out)["loss_first"])
+            self.assertEqual(results.read_summary(out)["settings"]["current"], [[0.5, 0, 0], [], [0, 0, 0], [0, 0, 0]][k])
+        self.assertEqual(losses[0], losses[1])
+        self.assertEqual(losses[2], losses[3])
+        self.assertLess(losses[0], losses[2] - 1e-3)
+
+
 class Refusals(Scratch):
     """Wrong input is refused with a message that names it, and leaves nothing behind."""
 
@@ -329,6 +400,21 @@ class Refusals(Scratch):
         self.refuse(2, "--controller", "--controller", "mpc")
         self.refuse(2, "--fixed-control", "--controller", "mlp", "--fixed-control")
         self.refuse(2, "--checkpoint-mib", "--checkpoint-mib", "0")
+
+    def test_laws(self):
+        for option, expected in (("--interpolation", "linear or bures"), ("--integrator", "euler or bdf2"),
+                                 ("--material", "corotated, volume or neo-hookean")):
+            for text in ("other", "", "0"):
+                self.refuse(2, f"{option} expects {expected if text else 'a value'}", option, text)
+        for text in ("1", "1,2", "1,2,3,4", "a,0,0", "nan,0,0", "inf,0,0", "1 0 0", "0,0,0x"):
+            self.refuse(2, "--current expects", "--current", text)
+        self.refuse(2, "not both", "--current", "0,0,0", "--current-file", "nowhere.txt")
+        self.refuse(1, "nowhere.txt", "--current-file", "nowhere.txt")
+        for text in ("0 0 0\n", "", "0 0 0 0\n0 1 1 1\n", "a b c d\n", "0 0 inf 0\n"):
+            path = self.path("still.txt")
+            with open(path, "w", encoding="utf-8") as stream:
+                stream.write(text)
+            self.refuse(2, "still.txt: expected lines of four numbers.*m/s", "--current-file", path)
 
     def test_weights(self):
         self.refuse(2, "sum to 1", "--weights", "0.5,0.5,0.5,0.5")
@@ -405,7 +491,8 @@ class Refusals(Scratch):
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
                        "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib",
-                       "--bases-file"):
+                       "--bases-file", "--automatic-fins", "--interpolation", "--material", "--integrator", "--planar",
+                       "--current", "--current-file"):
             self.assertIn(option, process.stdout)
 
 
