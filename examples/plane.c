@@ -26,7 +26,7 @@
 #define MUSCLE_STIFFNESS 1e6
 #define RATE 0.05 /* of Adam; frequencies move in units of OMEGA */
 
-enum { N_BASES = 3, N_CONTROL = 3, N = N_BASES + N_CONTROL, STEPS = 60, ITERATIONS = 30, PROOF_STEPS = 10 };
+enum { N_BASES = 3, N_CONTROL = 3, N = N_BASES + N_CONTROL, STEPS = 60, ITERATIONS = 30, PROOF_STEPS = 5 };
 enum { OUTLINE = 120 };                                  /* corners of one side of a base */
 enum { FRAMES = 5, FRAME_STEPS = STEPS / (FRAMES - 1) }; /* instants drawn */
 
