@@ -60,6 +60,22 @@ cholmod_sparse view_of(const SymmetricMatrix& a) {
     return s;
 }
 
+// A factor that is freed with the scope, whatever leaves it: an allocation of ours may fail while it lives.
+class Factor {
+public:
+    Factor(cholmod_factor* l, cholmod_common& c) : l_(l), c_(c) {}
+    ~Factor() {
+        if (l_) cholmod_free_factor(&l_, &c_);
+    }
+    Factor(const Factor&) = delete;
+    Factor& operator=(const Factor&) = delete;
+    cholmod_factor* get() const { return l_; }
+
+private:
+    cholmod_factor* l_;
+    cholmod_common& c_;
+};
+
 void check_memory(const cholmod_common& c) {
     if (c.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
 }
@@ -79,20 +95,15 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
     c.postorder = 1;
     cholmod_sparse a = view_of(matrix);
     std::vector<int> given(order);
-    cholmod_factor* l = cholmod_analyze_p(&a, given.data(), nullptr, 0, &c);
+    const Factor owner(cholmod_analyze_p(&a, given.data(), nullptr, 0, &c), c);
+    cholmod_factor* l = owner.get();
     check_memory(c);
     if (!l) fail(Status::ERROR_INTERNAL, "CHOLMOD analysis failed with status %d", c.status);
     cholmod_factorize(&a, l, &c);
-    if (c.status == CHOLMOD_OUT_OF_MEMORY) {
-        cholmod_free_factor(&l, &c);
-        throw std::bad_alloc();
-    }
-    if (c.status != CHOLMOD_OK || l->minor < l->n || !l->is_super) {
-        const int status = c.status;
-        cholmod_free_factor(&l, &c);
+    check_memory(c);
+    if (c.status != CHOLMOD_OK || l->minor < l->n || !l->is_super)
         fail(Status::ERROR_INTERNAL, "the preconditioner's matrix is not positive definite (CHOLMOD status %d)",
-             status);
-    }
+             c.status);
     CholeskyFactor out;
     out.n = matrix.n;
     const int* perm = static_cast<const int*>(l->Perm);
@@ -109,7 +120,6 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
         out.entries += static_cast<long>(node.rows.size()) * node.columns - node.columns * (node.columns - 1) / 2;
         out.supernodes.push_back(std::move(node));
     }
-    cholmod_free_factor(&l, &c);
     return out;
 }
 
@@ -118,7 +128,8 @@ bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x) {
     cholmod_common& c = context.c;
     c.final_ll = 1;  // small matrices are not factorised by supernodes but as L D L^T, which lets negative pivots pass
     cholmod_sparse a = view_of(matrix);
-    cholmod_factor* l = cholmod_analyze(&a, &c);
+    const Factor owner(cholmod_analyze(&a, &c), c);
+    cholmod_factor* l = owner.get();
     check_memory(c);
     if (!l) return false;
     cholmod_factorize(&a, l, &c);
@@ -135,7 +146,6 @@ bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x) {
             cholmod_free_dense(&solution, &c);
         }
     }
-    cholmod_free_factor(&l, &c);
     check_memory(c);
     return good;
 }
@@ -229,6 +239,7 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
             value[static_cast<std::size_t>(start[static_cast<std::size_t>(j)]) + k] = column[k].second;
         }
     }
+    const std::vector<double> b(x);  // before anything lives that an exception would leave behind
     void *symbolic = nullptr, *numeric = nullptr;
     int status = umfpack_di_symbolic(n, n, start.data(), row.data(), value.data(), &symbolic, nullptr, nullptr);
     if (status == UMFPACK_OK)
@@ -236,7 +247,6 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
     umfpack_di_free_symbolic(&symbolic);
     bool good = status == UMFPACK_OK;
     if (good) {
-        const std::vector<double> b(x);
         good = umfpack_di_solve(UMFPACK_A, start.data(), row.data(), value.data(), x.data(), b.data(), numeric, nullptr,
                                 nullptr) == UMFPACK_OK;
     }
