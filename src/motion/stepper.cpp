@@ -244,7 +244,9 @@ void Stepper::check_cancelled(long step) const {
 bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
     const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
     // Near the solution the energy's change drowns in its rounding; there the residual decides.
-    const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope));
+    // Positions carry a rounding of their own, which the forces turn into energy: close to rest it outweighs the rest.
+    const double places = 1e-15 * now.scale * norm(x.data(), size_);
+    const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope)) + places;
     candidate_.resize(size_);
     double t = 1.0;
     for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
