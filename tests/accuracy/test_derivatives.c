@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The gradient of the whole chain against finite differences, to 1e-6: every quantity, on shipped shapes and on real
- * meshes, inside the simplex and at a vertex, from rest and in motion, in still water and with a head-on current. Ten
- * steps, force residual 1e-13, marginal error 1e-13, five-point stencils over a ladder of steps. */
+ * The gradient of the whole chain through the interface against finite differences, to 1e-6, on meshes: shipped shapes
+ * and real ones, inside the simplex and at a vertex, from rest and in motion, in still water and with a head-on
+ * current. Ten steps, force residual 1e-13, marginal error 1e-13, five-point stencils over a ladder of steps. Every
+ * quantity, dimension, integrator, material and controller is in the table of derivatives/, on small bodies. */
 #include "scenes.h"
 
 static const char* const QUANTITIES[] = {"weights", "control", "actuation", "initial position", "initial velocity"};
