@@ -4,20 +4,12 @@
 #include <cmath>
 
 #include "grid/error.hpp"
+#include "grid/random.hpp"
 
 namespace dqa {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-// splitmix64 (Steele, Lea & Flood 2014) of a counter, in (-1, 1).
-double uniform(std::uint64_t seed, std::uint64_t counter) {
-    std::uint64_t z = seed + (counter + 1) * 0x9e3779b97f4a7c15ull;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    z ^= z >> 31;
-    return 2.0 * ((static_cast<double>(z >> 11) + 0.5) / 9007199254740992.0) - 1.0;
-}
 
 // Of the layers, the input first.
 std::vector<std::size_t> layer_sizes(const PerceptronSettings& settings) {
@@ -40,11 +32,11 @@ std::size_t Perceptron::count(const PerceptronSettings& settings) {
 
 Perceptron::Perceptron(const PerceptronSettings& settings) : settings_(settings), sizes_(layer_sizes(settings)) {
     theta_.reserve(count(settings));
-    std::uint64_t counter = 0;
+    Random random{settings.seed};
     for (std::size_t layer = 0; layer + 1 < sizes_.size(); ++layer) {
         const std::size_t in = sizes_[layer], out = sizes_[layer + 1];
         const double limit = settings.scale * std::sqrt(6.0 / static_cast<double>(in + out));
-        for (std::size_t k = 0; k < in * out; ++k) theta_.push_back(limit * uniform(settings.seed, counter++));
+        for (std::size_t k = 0; k < in * out; ++k) theta_.push_back(limit * random());
         theta_.insert(theta_.end(), out, 0.0);
     }
 }

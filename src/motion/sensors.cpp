@@ -4,39 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grid/axis_line.hpp"
 #include "grid/error.hpp"
 
 namespace dqa {
-namespace {
-
-// The 2 x 2 cells around the line and their bilinear weights.
-struct Line {
-    int j, k;
-    double wy[2], wz[2];
-};
-
-Line line_at(const Box& box, double y, double z) {
-    const double gy = y / box.dx + 0.5 * box.cells[1] - 0.5, gz = z / box.dx + 0.5 * box.cells[2] - 0.5;
-    Line line{};
-    line.j = static_cast<int>(std::floor(gy)), line.k = static_cast<int>(std::floor(gz));
-    line.wy[1] = gy - line.j, line.wy[0] = 1.0 - line.wy[1];
-    line.wz[1] = gz - line.k, line.wz[0] = 1.0 - line.wz[1];
-    return line;
-}
-
-template <class F>
-void for_each_cell(const Box& box, const Line& line, int i, F&& f) {
-    for (int a = 0; a < 2; ++a)
-        for (int b = 0; b < 2; ++b) {
-            const int j = line.j + a, k = line.k + b;
-            if (j < 0 || j >= box.cells[1] || k < 0 || k >= box.cells[2]) continue;
-            const double w = line.wy[a] * line.wz[b];
-            if (w > 0) f(box.cell(i, j, k), w);
-        }
-}
-
-}  // namespace
-
 MaterialPoint locate(const ActiveSet& set, const Vec3& x, int reach, bool extrapolate) {
     const Box& box = set.box;
     double g[3];
@@ -80,13 +51,10 @@ MaterialPoint locate(const ActiveSet& set, const Vec3& x, int reach, bool extrap
 
 Sensors::Sensors(const ActiveSet& set, const std::vector<double>& p_hat, double axis_y, double axis_z) {
     const Box& box = set.box;
-    const Line line = line_at(box, axis_y, axis_z);
+    const AxisLine line(box, axis_y, axis_z);
     const int nx = box.cells[0];
     std::vector<double> profile(static_cast<std::size_t>(nx), 0.0);
-    for (int i = 0; i < nx; ++i)
-        for_each_cell(box, line, i, [&](int cell, double w) {
-            profile[static_cast<std::size_t>(i)] += w * p_hat[static_cast<std::size_t>(cell)];
-        });
+    for (int i = 0; i < nx; ++i) profile[static_cast<std::size_t>(i)] = line.value(p_hat.data(), i);
     const double top = *std::max_element(profile.begin(), profile.end());
     if (!(top > 0)) fail(Status::ERROR_ARGUMENT, "sensors: the sensor line misses the body");
     // Normally half of the peak; where the line runs through thin parts only, two thirds of its own maximum, so that a
@@ -100,11 +68,11 @@ Sensors::Sensors(const ActiveSet& set, const std::vector<double>& p_hat, double 
         const double xi = (in + 0.5 - 0.5 * nx) * box.dx, xo = (out + 0.5 - 0.5 * nx) * box.dx;
         c.x = xi + t * (xo - xi);
         const double by_fi = (1.0 - t) / (fi - fo) * (xo - xi), by_fo = t / (fi - fo) * (xo - xi);
-        for_each_cell(box, line, in, [&](int cell, double w) { c.by_density.emplace_back(cell, by_fi * w); });
+        line.for_each_cell(in, [&](int cell, double w) { c.by_density.emplace_back(cell, by_fi * w); });
         if (out >= 0 && out < nx)
-            for_each_cell(box, line, out, [&](int cell, double w) { c.by_density.emplace_back(cell, by_fo * w); });
+            line.for_each_cell(out, [&](int cell, double w) { c.by_density.emplace_back(cell, by_fo * w); });
         if (level < 0.5)
-            for_each_cell(box, line, top_at, [&](int cell, double w) {
+            line.for_each_cell(top_at, [&](int cell, double w) {
                 c.by_density.emplace_back(cell, -(2.0 / 3.0) * w * (xo - xi) / (fi - fo));
             });
         return c;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grid/axis_line.hpp"
 #include "grid/error.hpp"
 #include "shape/actuator_placement.hpp"
 #include "shape/planar_base.hpp"
@@ -13,20 +14,6 @@ namespace dqa {
 namespace {
 
 constexpr std::size_t kMaxBases = 256;
-
-// Value of cell-centred data on the line (y, z), at the cell centres along x, by bilinear interpolation.
-double line_value(const Box& box, const double* cells, int i, double y, double z) {
-    const double gy = y / box.dx + 0.5 * box.cells[1] - 0.5, gz = z / box.dx + 0.5 * box.cells[2] - 0.5;
-    const int j = static_cast<int>(std::floor(gy)), k = static_cast<int>(std::floor(gz));
-    const double fy = gy - j, fz = gz - k;
-    double value = 0.0;
-    for (int a = 0; a < 2; ++a)
-        for (int b = 0; b < 2; ++b) {
-            if (j + a < 0 || j + a >= box.cells[1] || k + b < 0 || k + b >= box.cells[2]) continue;
-            value += (a ? fy : 1 - fy) * (b ? fz : 1 - fz) * cells[box.cell(i, j + a, k + b)];
-        }
-    return value;
-}
 
 // Whether the frames of two halves of fins differ, after mirroring one if they are on different sides.
 bool turned(const Actuator& a, const Actuator& b) {
@@ -256,10 +243,11 @@ void ShapeSpace::list_actuators() {
 // The x axis where it runs through every base; else the nearest parallel line that does best, fixed for the space.
 void ShapeSpace::choose_axis() {
     const auto worst_cover = [&](double y, double z) {
+        const AxisLine line(box_, y, z);
         double worst = 1e300;
         for (const BaseShape& b : bases_) {
             double longest = 0.0;
-            for (int i = 0; i < box_.cells[0]; ++i) longest += line_value(box_, b.fractions.data(), i, y, z) > 0.5;
+            for (int i = 0; i < box_.cells[0]; ++i) longest += line.value(b.fractions.data(), i) > 0.5;
             worst = std::min(worst, longest / b.length_in_cells);
         }
         return worst;

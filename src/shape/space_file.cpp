@@ -2,11 +2,10 @@
 // A built shape space as a file: magic, version, settings, bases with actuators, checksum. Little-endian doubles, so
 // that a space read back is the same to the last bit.
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "grid/error.hpp"
-#include "grid/file.hpp"
+#include "grid/sealed_file.hpp"
 #include "shape/shape_space.hpp"
 
 namespace dqa {
@@ -15,99 +14,36 @@ namespace {
 constexpr char kMagic[8] = {'D', 'Q', 'A', 'S', 'P', 'A', 'C', 'E'};
 constexpr std::uint32_t kVersion = 3;
 
-struct Writer {
-    std::string bytes;
-    template <class T>
-    void put(const T& value) {
-        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-    }
-    void doubles(const double* p, std::size_t n) { bytes.append(reinterpret_cast<const char*>(p), n * sizeof *p); }
-};
-
-struct Reader {
-    const std::string& bytes;
-    const std::string& path;
-    std::size_t at = 0;
-    void need(std::size_t n) const {
-        if (bytes.size() - at < n)
-            fail(Status::ERROR_FILE, "'%s' is truncated: %zu bytes expected at offset %zu, %zu there", path.c_str(), n,
-                 at, bytes.size() - at);
-    }
-    template <class T>
-    T get() {
-        T value;
-        need(sizeof value);
-        std::memcpy(&value, bytes.data() + at, sizeof value);
-        at += sizeof value;
-        return value;
-    }
-    // A value that the rest of the library relies on: a good checksum does not say who wrote the file.
-    void expect(bool good, const char* what, double value) const {
-        if (!good) fail(Status::ERROR_FILE, "'%s': %s is %g, out of range", path.c_str(), what, value);
-    }
-    int integer(const char* what, int least, int most) {
-        const int value = get<std::int32_t>();
-        expect(value >= least && value <= most, what, value);
-        return value;
-    }
-    double positive(const char* what) {
-        const double value = get<double>();
-        expect(value > 0 && std::isfinite(value), what, value);
-        return value;
-    }
-    void doubles(double* p, std::size_t n) {
-        need(n * sizeof *p);
-        std::memcpy(p, bytes.data() + at, n * sizeof *p);
-        at += n * sizeof *p;
-    }
-};
-
 }  // namespace
 
 void ShapeSpace::save(const std::string& path) const {
     if (!built_) fail(Status::ERROR_STATE, "the shape space is not built; call dqa_shape_space_build first");
-    Writer w;
-    w.bytes.append(kMagic, sizeof kMagic);
-    w.put(kVersion);
-    w.put(static_cast<std::int32_t>(settings_.dims));
-    for (const int n : settings_.cells) w.put(static_cast<std::int32_t>(n));
+    SealedWriter w(kMagic, kVersion);
+    w.integer(settings_.dims);
+    for (const int n : settings_.cells) w.integer(n);
     for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
                         static_cast<int>(settings_.peak), settings_.max_iterations,
                         static_cast<int>(settings_.interpolation), static_cast<int>(settings_.automatic_fins)})
-        w.put(static_cast<std::int32_t>(v));
+        w.integer(v);
     for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
         w.put(v);
     w.put(static_cast<std::uint32_t>(bases_.size()));
     for (const BaseShape& b : bases_) {
         w.put(static_cast<std::uint32_t>(b.name.size()));
-        w.bytes += b.name;
+        w.text(b.name);
         w.put(b.length_in_cells);
         w.doubles(b.fractions.data(), b.fractions.size());
         w.put(static_cast<std::uint32_t>(b.actuators.size()));
         for (const Actuator& a : b.actuators) {
-            for (const int v : {a.category, static_cast<int>(a.kind), static_cast<int>(a.half), a.layers})
-                w.put(static_cast<std::int32_t>(v));
+            for (const int v : {a.category, static_cast<int>(a.kind), static_cast<int>(a.half), a.layers}) w.integer(v);
             w.doubles(a.mean.data(), 3), w.doubles(a.variance.data(), 3), w.doubles(a.euler.data(), 3);
         }
     }
-    w.put(fnv1a(w.bytes, w.bytes.size()));
-    write_atomically(path, w.bytes);
+    w.save(path);
 }
 
 std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
-    const std::string bytes = read_whole(path);
-    if (bytes.size() < sizeof kMagic + 12 || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
-        fail(Status::ERROR_FILE, "'%s' is not a saved shape space (%zu bytes, wrong beginning)", path.c_str(),
-             bytes.size());
-    Reader r{bytes, path, sizeof kMagic};
-    const std::uint32_t version = r.get<std::uint32_t>();
-    if (version != kVersion)
-        fail(Status::ERROR_FILE, "'%s' has format version %u, this library reads %u", path.c_str(), version, kVersion);
-    // The checksum comes before anything is believed: a damaged count must not drive an allocation.
-    std::uint64_t stored;
-    std::memcpy(&stored, bytes.data() + bytes.size() - sizeof stored, sizeof stored);
-    if (stored != fnv1a(bytes, bytes.size() - sizeof stored))
-        fail(Status::ERROR_FILE, "'%s' is damaged or truncated: its checksum does not match", path.c_str());
+    SealedReader r(path, kMagic, kVersion, "a saved shape space");
     ShapeSettings s;
     s.dims = r.integer("dims", 2, 3);
     for (int& n : s.cells) n = r.integer("a number of cells", 1, 512);
@@ -130,10 +66,7 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     const std::uint32_t count = r.get<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {
         BaseShape b;
-        const std::uint32_t length = r.get<std::uint32_t>();
-        r.need(length);
-        b.name.assign(bytes, r.at, length);
-        r.at += length;
+        b.name = r.text(r.get<std::uint32_t>());
         b.length_in_cells = r.positive("a base's length");
         r.need(n_cells * sizeof(double));  // before memory is asked for
         b.fractions.resize(n_cells);
@@ -168,9 +101,8 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
             space->bases_.back().actuators.push_back(a);
         }
     }
-    if (r.at != bytes.size() - sizeof stored)
-        fail(Status::ERROR_FILE, "'%s' holds %zu bytes more than its bases need", path.c_str(),
-             bytes.size() - sizeof stored - r.at);
+    if (r.left() != 0)
+        fail(Status::ERROR_FILE, "'%s' holds %zu bytes more than its bases need", path.c_str(), r.left());
     if (space->bases_.empty()) fail(Status::ERROR_FILE, "'%s' holds no bases", path.c_str());
     space->freeze();
     return space;

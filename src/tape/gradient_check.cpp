@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "grid/error.hpp"
+#include "grid/random.hpp"
 
 namespace dqa {
 namespace {
@@ -17,18 +18,6 @@ constexpr int kShapeLevels = 5;      // of them for differences by weights: belo
 constexpr double kRatio = 0.25;      // between them
 constexpr double kSettled = 0.02;    // of successive slopes of the remainder
 constexpr double kAgreement = 1e-7;  // of neighbouring entries: smaller steps would only add rounding
-
-// splitmix64: the same direction everywhere for the same seed.
-struct Random {
-    std::uint64_t state;
-    double operator()() {  // in (-1, 1)
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-        z ^= z >> 31;
-        return 2.0 * (static_cast<double>(z >> 11) + 0.5) / 9007199254740992.0 - 1.0;
-    }
-};
 
 // Everything a rollout depends on, so that each of it can be perturbed. actuation: added to what the controller says,
 // if there is one.

@@ -4,9 +4,8 @@
 #ifndef DQA_TEST_SCENE_H
 #define DQA_TEST_SCENE_H
 
-#include "support.h"
+#include "space.h"
 
-extern dqa_shape_space* space;   /* tiny_space() */
 extern dqa_simulator* simulator; /* tiny_simulator(space) */
 
 /* For cmocka_run_group_tests_name. */

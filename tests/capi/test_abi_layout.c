@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  * Size and field offsets of every public struct, frozen for the x86-64 LP64 ABI. A line here changes only together
  * with DQA_ABI_VERSION; a new field comes after the last one and changes the size alone. */
-#include "support.h"
-
 #include <stddef.h>
+
+#include "support.h"
 
 #if defined(__x86_64__) && defined(__LP64__)
 
-#define SIZE(type, bytes)                                                  \
+#define SIZE(type, bytes)                                                 \
     _Static_assert(sizeof(type) == (bytes), "size of " #type " changed"); \
     _Static_assert(sizeof(type) % 8 == 0, #type " has hidden padding at its end");
 #define AT(type, field, bytes) _Static_assert(offsetof(type, field) == (bytes), #type "." #field " moved");
@@ -224,7 +224,7 @@ AT(dqa_gradient_check_report, step, 48)
 #endif
 
 /* The library was compiled with the layout that this program sees. */
-static void sizes_agree(void **state) {
+static void sizes_agree(void** state) {
     dqa_shape_space_options space;
     dqa_simulator_options simulator;
     dqa_actuator_options actuator;

@@ -1,20 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * The controller, and the rollout that it drives. */
-#include "support.h"
-
-static dqa_shape_space* space;
-
-static int open_space(void** state) {
-    (void)state;
-    space = tiny_space();
-    return 0;
-}
-
-static int close_space(void** state) {
-    (void)state;
-    dqa_shape_space_free(space);
-    return 0;
-}
+#include "space.h"
 
 static void create_is_checked(void** state) {
     static const double wrong[] = {0.0, -0.1, NAN, INFINITY};

@@ -1,23 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Materials, integrators, methods and constraints through the interface: moduli by cell, fixed nodes, plane spaces, and
  * the gradients by all of them. */
-#include "support.h"
+#include "space.h"
 
 enum { STEPS = 3, N_NODES = (NX + 1) * (NY + 1) * (NZ + 1) };
-
-static dqa_shape_space* space;
-
-static int open_space(void** state) {
-    (void)state;
-    space = tiny_space();
-    return 0;
-}
-
-static int close_space(void** state) {
-    (void)state;
-    dqa_shape_space_free(space);
-    return 0;
-}
 
 static dqa_simulator* simulator_of(const dqa_simulator_options* options) {
     dqa_simulator* simulator = NULL;

@@ -2,21 +2,7 @@
  * What a built space answers: density, its pullback, and the file that keeps it. */
 #include <stdio.h>
 
-#include "support.h"
-
-static dqa_shape_space* space;
-
-static int open_space(void** state) {
-    (void)state;
-    space = tiny_space();
-    return 0;
-}
-
-static int close_space(void** state) {
-    (void)state;
-    dqa_shape_space_free(space);
-    return 0;
-}
+#include "space.h"
 
 static void arguments_are_checked(void** state) {
     static const double wrong[][N_BASES] = {{0.6, 0.5}, {-0.1, 1.1}, {NAN, 0.5}, {0.5, INFINITY}, {0.0, 0.0}};

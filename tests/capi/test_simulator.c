@@ -1,20 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * The simulator: designs, steps, state, and what it tells about itself. */
-#include "support.h"
-
-static dqa_shape_space* space;
-
-static int open_space(void** state) {
-    (void)state;
-    space = tiny_space();
-    return 0;
-}
-
-static int close_space(void** state) {
-    (void)state;
-    dqa_shape_space_free(space);
-    return 0;
-}
+#include "space.h"
 
 static dqa_simulator_info info_of(const dqa_simulator* simulator) {
     dqa_simulator_info info;

@@ -15,7 +15,7 @@ struct Sample {
     explicit Sample(const std::array<int, 3>& cells, int n_muscles = 13, std::uint64_t seed = 1)
         : set(full_set(cells, 0.1)), rest(set.rest_positions()) {
         Random random{seed};
-        for (int c = 0; c < set.n_cells(); ++c) mu.push_back(random.between(0.2, 2.0) * 1e6);
+        for (int c = 0; c < set.n_cells(); ++c) mu.push_back(between(random, 0.2, 2.0) * 1e6);
         for (int e = 0; e < n_muscles; ++e) {
             MuscleEntry m;
             m.cell = (5 * e) % set.n_cells();
@@ -23,7 +23,7 @@ struct Sample {
             double n = 0.0;
             for (double& x : m.direction) x = random(), n += x * x;
             for (double& x : m.direction) x /= std::sqrt(n);
-            m.weight = random.between(0.5, 2.0) * 1e6;
+            m.weight = between(random, 0.5, 2.0) * 1e6;
             muscles.push_back(m);
         }
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "grid/active_set.hpp"
+#include "grid/random.hpp"
 #include "motion/design.hpp"
 #include "motion/simulation.hpp"
 #include "shape_fixtures.hpp"
@@ -18,18 +19,11 @@ namespace fixtures {
 
 using Vector = std::vector<double>;
 
-// splitmix64, uniform in (-1, 1): the same numbers on every platform.
-struct Random {
-    std::uint64_t state;
-    double operator()() {
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-        z ^= z >> 31;
-        return 2.0 * (static_cast<double>(z >> 11) + 0.5) / 9007199254740992.0 - 1.0;
-    }
-    double between(double lo, double hi) { return lo + 0.5 * (hi - lo) * ((*this)() + 1.0); }
-};
+using dqa::Random;
+
+inline double between(Random& random, double lo, double hi) {
+    return lo + 0.5 * (hi - lo) * (random() + 1.0);
+}
 
 inline Vector random_vector(std::size_t n, Random& random, double scale = 1.0) {
     Vector v(n);

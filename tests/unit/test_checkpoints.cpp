@@ -159,7 +159,7 @@ void test_random_reads() {
         TapeReader reader(*thin);
         Random random{4};
         for (int k = 0; k < 40; ++k) {
-            const long step = std::min<long>(kSteps, static_cast<long>(random.between(0.0, kSteps + 1.0)));
+            const long step = std::min<long>(kSteps, static_cast<long>(between(random, 0.0, kSteps + 1.0)));
             CHECK(reader.state(step) == full->state(step));
         }
         CHECK(thin->state(13) == full->state(13) && thin->q(2) == full->q(2) && thin->v(2) == full->v(2));

@@ -121,7 +121,7 @@ void test_factorise() {
     const ActiveSet set = full_set({7, 4, 5}, 1.0);
     Random random{2};
     Vector weight(static_cast<std::size_t>(set.n_cells()));
-    for (double& w : weight) w = std::pow(10.0, random.between(-8, 0));
+    for (double& w : weight) w = std::pow(10.0, between(random, -8, 0));
     const SymmetricMatrix m = laplacian(set, weight, 1e-3);
     const CholeskyFactor f = factorise(m, nested_dissection(set.node_ijk));
     CHECK(f.n == m.n);
@@ -198,7 +198,7 @@ void test_pcg_with_packed_factor() {
     const ActiveSet set = full_set({12, 6, 6}, 1.0);
     Random random{8};
     Vector weight(static_cast<std::size_t>(set.n_cells()));
-    for (double& w : weight) w = std::pow(10.0, random.between(-8, 0));
+    for (double& w : weight) w = std::pow(10.0, between(random, -8, 0));
     const SymmetricMatrix m = laplacian(set, weight, 1e-6);
     const PackedFactor packed(factorise(m, nested_dissection(set.node_ijk)), InstructionSet::automatic);
     PackedFactor::Workspace factor_ws;

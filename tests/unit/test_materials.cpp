@@ -17,7 +17,7 @@ struct Block {
     explicit Block(Material material, int n_muscles = 0) : sample({4, 3, 3}, n_muscles) {
         elasticity = {material, sample.mu, {}};
         Random random{9};
-        for (const double m : sample.mu) elasticity.lambda.push_back(m * random.between(0.5, 9.0));
+        for (const double m : sample.mu) elasticity.lambda.push_back(m * between(random, 0.5, 9.0));
     }
     Body body() const { return body(elasticity); }
     Body body(const Elasticity& e) const { return Body(sample.set, e, sample.muscles, 0.2, InstructionSet::automatic); }

@@ -73,7 +73,7 @@ void test_simplex_projection() {
     int with_zeros = 0, inside = 0;
     for (int round = 0; round < 2000; ++round) {
         const std::size_t n = 1 + static_cast<std::size_t>(round) % 12;
-        Vector x = random_vector(n, random, std::pow(10.0, random.between(-3, 3)));
+        Vector x = random_vector(n, random, std::pow(10.0, between(random, -3, 3)));
         if (round % 3 == 0)
             for (double& v : x) v += 1e3;
         if (round % 7 == 0 && n > 1) x[1] = x[0];  // ties

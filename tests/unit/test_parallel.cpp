@@ -23,7 +23,7 @@ void test_every_chunk_once() {
 void test_ordered_sum() {
     Random random{1};
     Vector terms(5000);
-    for (double& t : terms) t = std::pow(10.0, random.between(-12, 12)) * random();  // any other order shows
+    for (double& t : terms) t = std::pow(10.0, between(random, -12, 12)) * random();  // any other order shows
     const auto total = [&](Threads threads) {
         return parallel_sum(threads, 5000, 16, [&](int begin, int end) {
             double s = 0.0;

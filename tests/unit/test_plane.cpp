@@ -38,7 +38,7 @@ void test_body_is_a_layer() {
     const auto shadow = shadows(solid, plane);
     Random random{1};
     Vector mu(static_cast<std::size_t>(plane.n_cells()));
-    for (double& m : mu) m = random.between(1e5, 1e6);
+    for (double& m : mu) m = between(random, 1e5, 1e6);
     std::vector<MuscleEntry> muscles;
     for (int c = 0; c < 6; ++c) muscles.push_back({2 * c, 0, c % 2 ? 1.0 : -1.0, {0.8, c % 2 ? 0.6 : -0.6, 0.0}, 3e5});
     const Body flat(plane, {Material::corotated, mu, {}}, muscles, 0.2, InstructionSet::automatic),

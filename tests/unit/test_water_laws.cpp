@@ -41,9 +41,9 @@ void test_difference_of_order_epsilon() {
     Random random{1};
     for (int round = 0; round < 20; ++round) {
         Ordinates drag{}, push{};
-        for (double& b : drag) b = random.between(0, 2);
+        for (double& b : drag) b = between(random, 0, 2);
         push[0] = random();
-        for (std::size_t k = 1; k < 4; ++k) push[k] = push[k - 1] + random.between(0, 1);
+        for (std::size_t k = 1; k < 4; ++k) push[k] = push[k - 1] + between(random, 0, 1);
         if (round == 0) drag = kDrag, push = kThrust;
         double difference[2][2] = {{0, 0}, {0, 0}};
         for (int k = 0; k < 2; ++k) {
@@ -114,7 +114,7 @@ void test_slope_is_not_negative() {
     for (int round = 0; round < 200; ++round) {
         Ordinates push{random(), 0, 0, 0};
         for (std::size_t k = 1; k < 4; ++k)
-            push[k] = push[k - 1] + (round % 4 == static_cast<int>(k) ? 0.0 : random.between(0, 2));
+            push[k] = push[k - 1] + (round % 4 == static_cast<int>(k) ? 0.0 : between(random, 0, 2));
         const WaterLaws laws(kDrag, push, round % 2 ? 0.02 : 1e-4);
         for (int i = -200; i <= 200; ++i) CHECK(laws.thrust_slope(i / 200.0).value >= 0.0);
     }
@@ -158,7 +158,7 @@ void test_curves_are_checked() {
     int refused = 0, negative_ordinate = 0;
     for (int round = 0; round < 4000; ++round) {
         Ordinates drag, push;
-        for (double& b : drag) b = random.between(-0.25, 1.0);
+        for (double& b : drag) b = between(random, -0.25, 1.0);
         for (double& b : push) b = random();
         if (round % 2) std::sort(push.begin(), push.end());
         if (round % 4 == 1) std::swap(push[1], push[2]);  // may still rise

@@ -21,7 +21,7 @@ struct Sample {
         std::vector<char> mask(static_cast<std::size_t>(box.n_cells()));
         for (char& m : mask) m = random() > -0.5;
         set = make_active_set(box, mask);
-        for (int c = 0; c < set.n_cells(); ++c) occupancy.push_back(random.between(0, 1));
+        for (int c = 0; c < set.n_cells(); ++c) occupancy.push_back(between(random, 0, 1));
         rest = set.rest_positions();
         q = plus(mapped(rest, random_rotation(random)), 0.02, random_vector(rest.size(), random));
         v = random_vector(rest.size(), random, 0.5);
