@@ -275,6 +275,12 @@ typedef struct dqa_adjoint dqa_adjoint;
 #define DQA_METHOD_PROJECTIVE 2    /* L-BFGS on the projective-dynamics factor (Liu et al. 2017), as the paper: no Hessian
                                       forward; its adjoint is that of NEWTON_PCG */
 
+#define DQA_PRECONDITIONER_TWO_LEVEL 0 /* the projective-dynamics factor and a correction on a grid three times coarser */
+#define DQA_PRECONDITIONER_FACTOR 1    /* the factor alone: two to three times the iterations */
+
+#define DQA_PRECISION_SINGLE 0 /* 24 bits: half the memory traffic */
+#define DQA_PRECISION_DOUBLE 1 /* 53 bits */
+
 #define DQA_INTEGRATOR_IMPLICIT_EULER 0 /* first order, strongly damped: as the paper */
 #define DQA_INTEGRATOR_BDF2 1 /* second order at the same cost; the first step, and the first after
                                  dqa_simulator_set_state, is one of implicit Euler */
@@ -310,7 +316,7 @@ typedef struct dqa_simulator_options {
     int32_t integrator;          /* DQA_INTEGRATOR_*: default implicit Euler */
     int32_t material;            /* DQA_MATERIAL_*: default corotated, the paper's */
     int32_t planar;              /* 1: no node moves along z (a constraint); default 0; of no effect in two dimensions */
-    int32_t padding_2;           /* must be 0 */
+    int32_t preconditioner;      /* DQA_PRECONDITIONER_*: speed only; default DQA_PRECONDITIONER_TWO_LEVEL */
     double time_step;            /* s, > 0; default 1/30 */
     double young_modulus;        /* Pa, > 0: of the solid; cells scale it by their occupancy; default 5e6 */
     double poisson_ratio;        /* in [0, 0.5); default 0.45 (of material COROTATED only mu enters) */
@@ -332,7 +338,8 @@ typedef struct dqa_simulator_options {
     double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
     dqa_cancel_token *cancel;    /* NULL: none */
     int32_t water_faces;         /* DQA_FACES_*: default DQA_FACES_BOTH */
-    int32_t padding;             /* must be 0 */
+    int32_t preconditioner_precision; /* DQA_PRECISION_*: default DQA_PRECISION_SINGLE. Of the preconditioner alone; all
+                                         else is in double precision */
 } dqa_simulator_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_simulator_options) as the caller compiled it. */

@@ -48,11 +48,16 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.material, o.material >= DQA_MATERIAL_COROTATED && o.material <= DQA_MATERIAL_NEO_HOOKEAN,
                   "material", "one of DQA_MATERIAL_*");
     require_range(o.planar, o.planar == 0 || o.planar == 1, "planar", "0 or 1");
-    require_range(o.padding_2, o.padding_2 == 0, "padding_2", "0");
+    require_range(o.preconditioner,
+                  o.preconditioner == DQA_PRECONDITIONER_TWO_LEVEL || o.preconditioner == DQA_PRECONDITIONER_FACTOR,
+                  "preconditioner", "DQA_PRECONDITIONER_TWO_LEVEL or DQA_PRECONDITIONER_FACTOR");
     require_range(o.water, o.water >= DQA_WATER_NONE && o.water <= DQA_WATER_EXPLICIT, "water", "one of DQA_WATER_*");
     require_range(o.water_faces, o.water_faces == DQA_FACES_BOTH || o.water_faces == DQA_FACES_WINDWARD, "water_faces",
                   "DQA_FACES_BOTH or DQA_FACES_WINDWARD");
-    require_range(o.padding, o.padding == 0, "padding", "0");
+    require_range(
+        o.preconditioner_precision,
+        o.preconditioner_precision == DQA_PRECISION_SINGLE || o.preconditioner_precision == DQA_PRECISION_DOUBLE,
+        "preconditioner_precision", "DQA_PRECISION_SINGLE or DQA_PRECISION_DOUBLE");
     require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
     require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
     require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
@@ -95,6 +100,8 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     s.hydrodynamics.windward_only = o.water_faces == DQA_FACES_WINDWARD;
     s.max_newton = o.max_newton, s.max_linear = o.max_linear;
     s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
+    s.coarse_correction = o.preconditioner == DQA_PRECONDITIONER_TWO_LEVEL;
+    s.precision = static_cast<dqa::Precision>(o.preconditioner_precision);
     s.time_step = o.time_step;
     s.young_modulus = o.young_modulus, s.poisson_ratio = o.poisson_ratio, s.density = o.density;
     s.muscle_stiffness = o.muscle_stiffness, s.contraction = o.contraction;
@@ -230,7 +237,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
                          "design set: %d cells, %d nodes, %d faces, %lld factor entries; %.3g s, of which %.3g s for "
                          "the barycentre (%d iterations)",
                          design->set().n_cells(), design->n_nodes(), design->water() ? design->water()->n_faces() : 0,
-                         static_cast<long long>(design->factor().entries()), simulator->setup_seconds,
+                         static_cast<long long>(design->preconditioner().factor().entries()), simulator->setup_seconds,
                          design->barycenter_seconds(), design->point().barycenter.iterations);
     });
 }
@@ -333,7 +340,7 @@ dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_
             i.n_nodes = d.n_nodes(), i.n_active_cells = d.set().n_cells(), i.n_body_cells = d.n_body_cells();
             i.n_faces = d.water() ? d.water()->n_faces() : 0;
             i.n_muscle_cells = d.n_muscle_cells();
-            i.factor_entries = d.factor().entries();
+            i.factor_entries = d.preconditioner().factor().entries();
             i.steps = simulator->simulation->steps();
             i.newton_iterations = simulator->newton_iterations;
             i.linear_iterations = simulator->linear_iterations;

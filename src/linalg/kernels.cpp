@@ -3,7 +3,7 @@
 
 namespace dqa {
 
-const FactorKernels& factor_kernels(InstructionSet set) {
+const LinalgKernels& linalg_kernels(InstructionSet set) {
 #if !defined(DQA_ONLY_BASELINE_KERNELS)
     switch (choose_instruction_set(set)) {
         case InstructionSet::avx512:

@@ -4,71 +4,232 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Dense>
+#include <numeric>
 
 namespace dqa {
+namespace {
 
-PackedFactor::PackedFactor(const CholeskyFactor& factor, InstructionSet instructions)
-    : kernels_(factor_kernels(instructions)), n_(factor.n), entries_(factor.entries), permutation_(factor.permutation) {
-    constexpr int lanes = kFactorLanes;
-    const auto padded = [](int k) { return (k + lanes - 1) / lanes * lanes; };
-    for (const Supernode& s : factor.supernodes) {
+constexpr double kSubtreeShare = 1.0 / 10.0;  // of the work: subtrees are split until none is larger
+constexpr long kParallelEntries = 1 << 14;    // supernodes above the subtrees with fewer are not worth a parallel loop
+
+long work_of(const Supernode& s) {
+    return static_cast<long>(s.rows.size()) * s.columns + 64;
+}
+
+}  // namespace
+
+PackedFactor::PackedFactor(const CholeskyFactor& factor, Precision precision, InstructionSet instructions)
+    : kernels_(linalg_kernels(instructions)), precision_(precision), n_(factor.n), entries_(factor.entries) {
+    divide(factor);
+    if (precision_ == Precision::single_precision)
+        pack(factor, single_);
+    else
+        pack(factor, double_);
+}
+
+// Chooses the subtrees and puts their supernodes first, subtree by subtree.
+void PackedFactor::divide(const CholeskyFactor& factor) {
+    const int count = static_cast<int>(factor.supernodes.size());
+    std::vector<int> owner(static_cast<std::size_t>(n_));
+    for (int s = 0; s < count; ++s)
+        for (int c = 0; c < factor.supernodes[static_cast<std::size_t>(s)].columns; ++c)
+            owner[static_cast<std::size_t>(factor.supernodes[static_cast<std::size_t>(s)].first + c)] = s;
+    std::vector<int> parent(static_cast<std::size_t>(count), -1);
+    std::vector<long> work(static_cast<std::size_t>(count));
+    std::vector<std::vector<int>> children(static_cast<std::size_t>(count) + 1);
+    for (int s = 0; s < count; ++s) {  // children come before their parents
+        const Supernode& node = factor.supernodes[static_cast<std::size_t>(s)];
+        work[static_cast<std::size_t>(s)] += work_of(node);
+        const bool root = static_cast<int>(node.rows.size()) == node.columns;
+        const int p = root ? -1 : owner[static_cast<std::size_t>(node.rows[static_cast<std::size_t>(node.columns)])];
+        parent[static_cast<std::size_t>(s)] = p;
+        children[static_cast<std::size_t>(root ? count : p)].push_back(s);
+        if (!root) work[static_cast<std::size_t>(p)] += work[static_cast<std::size_t>(s)];
+    }
+    long total = 0;
+    for (const int root : children[static_cast<std::size_t>(count)]) total += work[static_cast<std::size_t>(root)];
+    // Roots of the subtrees: descend while a tree is too large a share.
+    std::vector<int> open = children[static_cast<std::size_t>(count)], roots, above;
+    while (!open.empty()) {
+        const int s = open.back();
+        open.pop_back();
+        const auto& below = children[static_cast<std::size_t>(s)];
+        if (static_cast<double>(work[static_cast<std::size_t>(s)]) <= kSubtreeShare * static_cast<double>(total)) {
+            roots.push_back(s);
+        } else {
+            above.push_back(s);
+            open.insert(open.end(), below.begin(), below.end());
+        }
+    }
+    std::sort(roots.begin(), roots.end());
+    std::sort(above.begin(), above.end());
+    // Neighbouring small subtrees make one task.
+    long gathered = 0;
+    for (const int root : roots) {
+        if (subtrees_.empty() || gathered + work[static_cast<std::size_t>(root)] >
+                                     static_cast<long>(kSubtreeShare * static_cast<double>(total))) {
+            const int at = static_cast<int>(order_.size());
+            subtrees_.push_back({at, at, 0, 0});
+            gathered = 0;
+        }
+        gathered += work[static_cast<std::size_t>(root)];
+        std::vector<int> members{root};
+        for (std::size_t k = 0; k < members.size(); ++k) {
+            const auto& below = children[static_cast<std::size_t>(members[k])];
+            members.insert(members.end(), below.begin(), below.end());
+        }
+        std::sort(members.begin(), members.end());
+        order_.insert(order_.end(), members.begin(), members.end());
+        subtrees_.back().end = static_cast<int>(order_.size());
+    }
+    order_.insert(order_.end(), above.begin(), above.end());
+}
+
+template <class Real>
+void PackedFactor::pack(const CholeskyFactor& factor, std::vector<Real>& values) {
+    constexpr int lanes = kFactorLanes<Real>;
+    // New place of every row.
+    std::vector<int> place(static_cast<std::size_t>(n_));
+    int next = 0;
+    for (const int s : order_) {
+        const Supernode& node = factor.supernodes[static_cast<std::size_t>(s)];
         PackedSupernode p;
+        p.first = next, p.columns = node.columns;
+        p.rows_below = static_cast<int>(node.rows.size()) - node.columns;
+        for (int c = 0; c < node.columns; ++c) {
+            place[static_cast<std::size_t>(node.first + c)] = next++;
+            permutation_.push_back(factor.permutation[static_cast<std::size_t>(node.first + c)]);
+        }
+        widest_ = std::max(widest_, static_cast<int>(node.rows.size()));
+        supernodes_.push_back(p);
+    }
+    top_ = n_;
+    const std::size_t below_top = subtrees_.empty() ? 0 : static_cast<std::size_t>(subtrees_.back().end);
+    if (below_top < supernodes_.size()) top_ = supernodes_[below_top].first;
+    for (Subtree& t : subtrees_) {
+        t.first_row = supernodes_[static_cast<std::size_t>(t.begin)].first;
+        const PackedSupernode& last = supernodes_[static_cast<std::size_t>(t.end) - 1];
+        t.last_row = last.first + last.columns;
+    }
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+        const Supernode& s = factor.supernodes[static_cast<std::size_t>(order_[k])];
+        PackedSupernode& p = supernodes_[k];
         const int total = static_cast<int>(s.rows.size());
-        p.first = s.first;
-        p.columns = s.columns;
-        p.rows_below = total - s.columns;
         p.row_offset = static_cast<int>(rows_.size());
-        rows_.insert(rows_.end(), s.rows.begin() + s.columns, s.rows.end());
-        widest_ = std::max(widest_, total);
+        for (int r = s.columns; r < total; ++r)
+            rows_.push_back(place[static_cast<std::size_t>(s.rows[static_cast<std::size_t>(r)])]);
         const Eigen::Map<const Eigen::MatrixXd> l(s.values.data(), total, s.columns);
         // B = [I; L21] L11^-1
         Eigen::MatrixXd b(total, s.columns);
         b.topRows(s.columns).setIdentity();
         b.bottomRows(p.rows_below) = l.bottomRows(p.rows_below);
         l.topRows(s.columns).triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(b);
-        p.forward = static_cast<std::int64_t>(values_.size());
-        values_.resize(values_.size() + static_cast<std::size_t>(padded(total)) * static_cast<std::size_t>(s.columns),
-                       0.0f);
+        const int chunks = (total + lanes - 1) / lanes, column_chunks = (s.columns + lanes - 1) / lanes;
+        p.forward = static_cast<std::int64_t>(values.size());
+        p.backward = p.forward + packed_forward_offset(lanes, s.columns, chunks * lanes);
+        values.resize(
+            static_cast<std::size_t>(p.backward + packed_backward_offset(lanes, total, column_chunks * lanes)),
+            Real(0));
         for (int j = 0; j < s.columns; ++j)
-            for (int i = 0; i < total; ++i)
-                values_[static_cast<std::size_t>(p.forward) +
-                        static_cast<std::size_t>((i / lanes) * lanes * s.columns + j * lanes + i % lanes)] =
-                    static_cast<float>(b(i, j));
-        p.backward = static_cast<std::int64_t>(values_.size());
-        values_.resize(values_.size() + static_cast<std::size_t>(padded(s.columns)) * static_cast<std::size_t>(total),
-                       0.0f);
-        for (int j = 0; j < s.columns; ++j)
-            for (int i = 0; i < total; ++i)
-                values_[static_cast<std::size_t>(p.backward) +
-                        static_cast<std::size_t>((j / lanes) * lanes * total + i * lanes + j % lanes)] =
-                    static_cast<float>(b(i, j));
-        supernodes_.push_back(p);
+            for (int i = j; i < total; ++i) {
+                const Real value = static_cast<Real>(b(i, j));
+                const int r = i / lanes * lanes, c = j / lanes * lanes;
+                values[static_cast<std::size_t>(p.forward + packed_forward_offset(lanes, s.columns, r) + j * lanes + i -
+                                                r)] = value;
+                values[static_cast<std::size_t>(p.backward + packed_backward_offset(lanes, total, c) + (i - c) * lanes +
+                                                j - c)] = value;
+            }
     }
 }
 
-void PackedFactor::solve(const double* in, double* out, Workspace& ws) const {
-    const std::size_t n = static_cast<std::size_t>(n_);
+template <class Real>
+void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<Real>& values, const double* in,
+                         double* out, Threads threads, Scratch<Real>& ws, std::size_t width) const {
+    const std::size_t n = static_cast<std::size_t>(n_), above = 4 * static_cast<std::size_t>(n_ - top_);
+    const std::size_t scratch = 4 * static_cast<std::size_t>(widest_);
     ws.x.resize(4 * n);
-    ws.scratch.resize(4 * static_cast<std::size_t>(widest_) + 16);
+    ws.outside.resize(above * subtrees_.size());
+    ws.in.resize(scratch * (subtrees_.size() + 1));
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
-    double top = 0.0;
-    for (std::size_t k = 0; k < 3 * n; ++k) top = std::max(top, std::fabs(in[k]));
-    if (!(top > 0) || !std::isfinite(top)) {
-        std::fill(out, out + 3 * n, 0.0);
+    double largest = 0.0;
+    for (std::size_t k = 0; k < width * n; ++k) largest = std::max(largest, std::fabs(in[k]));
+    if (!(largest > 0) || !std::isfinite(largest)) {
+        std::fill(out, out + width * n, 0.0);
         return;
     }
-    const double scale = 1.0 / top;
-    for (std::size_t k = 0; k < n; ++k) {
-        const double* source = in + 3 * static_cast<std::size_t>(permutation_[k]);
-        for (std::size_t a = 0; a < 3; ++a) ws.x[4 * k + a] = static_cast<float>(scale * source[a]);
-        ws.x[4 * k + 3] = 0.0f;
+    const double scale = 1.0 / largest;
+    Real* x = ws.x.data();
+    Real* x_above = x + 4 * static_cast<std::size_t>(top_);
+    const auto read = [&](int begin, int end) {
+        for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+            const double* source = in + width * static_cast<std::size_t>(permutation_[k]);
+            for (std::size_t a = 0; a < 4; ++a)
+                x[4 * k + a] = a < width ? static_cast<Real>(scale * source[a]) : Real(0);
+        }
+    };
+    const auto write = [&](int begin, int end) {
+        for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+            double* target = out + width * static_cast<std::size_t>(permutation_[k]);
+            for (std::size_t a = 0; a < width; ++a) target[a] = largest * static_cast<double>(x[4 * k + a]);
+        }
+    };
+    // A supernode's rows or columns, in pieces over the threads if it is large.
+    const auto by_pieces = [&](const PackedSupernode& p, int length, auto&& f) {
+        const bool large = static_cast<long>(p.columns) * (p.columns + p.rows_below) >= kParallelEntries;
+        const int grain = 4 * kFactorLanes<Real>;
+        parallel_chunks(large ? threads : Threads(1), length, large ? grain : std::max(length, 1), f);
+    };
+    const int n_subtrees = static_cast<int>(subtrees_.size());
+    parallel_chunks(threads, n_subtrees, 1, [&](int t, int) {
+        const Subtree& tree = subtrees_[static_cast<std::size_t>(t)];
+        Real* outside = ws.outside.data() + static_cast<std::size_t>(t) * above;
+        Real* input = ws.in.data() + static_cast<std::size_t>(t) * scratch;
+        std::fill(outside, outside + above, Real(0));
+        read(tree.first_row, tree.last_row);
+        for (int s = tree.begin; s < tree.end; ++s) {
+            const PackedSupernode& p = supernodes_[static_cast<std::size_t>(s)];
+            kernels.own(p, x, input);
+            kernels.forward(p, rows_.data(), values.data(), input, 0, p.columns + p.rows_below, x, outside, top_);
+        }
+    });
+    read(top_, n_);
+    for (std::size_t t = 0; t < subtrees_.size(); ++t)
+        for (std::size_t k = 0; k < above; ++k) x_above[k] += ws.outside[t * above + k];
+    Real* input = ws.in.data() + subtrees_.size() * scratch;
+    const std::size_t first_above = subtrees_.empty() ? 0 : static_cast<std::size_t>(subtrees_.back().end);
+    for (std::size_t s = first_above; s < supernodes_.size(); ++s) {
+        const PackedSupernode& p = supernodes_[s];
+        kernels.own(p, x, input);
+        by_pieces(p, p.columns + p.rows_below, [&](int begin, int end) {
+            kernels.forward(p, rows_.data(), values.data(), input, begin, end, x, x_above, top_);
+        });
     }
-    kernels_.solve(supernodes_.data(), static_cast<int>(supernodes_.size()), rows_.data(), values_.data(), ws.x.data(),
-                   ws.scratch.data());
-    for (std::size_t k = 0; k < n; ++k) {
-        double* target = out + 3 * static_cast<std::size_t>(permutation_[k]);
-        for (std::size_t a = 0; a < 3; ++a) target[a] = top * static_cast<double>(ws.x[4 * k + a]);
+    for (std::size_t s = supernodes_.size(); s-- > first_above;) {
+        const PackedSupernode& p = supernodes_[s];
+        kernels.own(p, x, input);
+        kernels.below(p, rows_.data(), x, x_above, top_, input);
+        by_pieces(p, p.columns, [&](int begin, int end) { kernels.backward(p, values.data(), input, begin, end, x); });
     }
+    write(top_, n_);
+    parallel_chunks(threads, n_subtrees, 1, [&](int t, int) {
+        const Subtree& tree = subtrees_[static_cast<std::size_t>(t)];
+        Real* own = ws.in.data() + static_cast<std::size_t>(t) * scratch;
+        for (int s = tree.end; s-- > tree.begin;) {
+            const PackedSupernode& p = supernodes_[static_cast<std::size_t>(s)];
+            kernels.own(p, x, own);
+            kernels.below(p, rows_.data(), x, x_above, top_, own);
+            kernels.backward(p, values.data(), own, 0, p.columns, x);
+        }
+        write(tree.first_row, tree.last_row);
+    });
+}
+
+void PackedFactor::solve(const double* in, double* out, Threads threads, Workspace& ws, int width) const {
+    const std::size_t w = static_cast<std::size_t>(width);
+    if (precision_ == Precision::single_precision)
+        sweep(kernels_.single_factor, single_, in, out, threads, ws.single_precision, w);
+    else
+        sweep(kernels_.double_factor, double_, in, out, threads, ws.double_precision, w);
 }
 
 }  // namespace dqa

@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace dqa {
+namespace {
+
+constexpr int kGrain = 4096;  // entries of a chunk: the unit of ordered sums
+
+}  // namespace
 
 double ordered_dot(const double* a, const double* b, std::size_t n) {
     // Four interleaved sums: a fixed order, and no chain of dependent additions.
@@ -18,38 +23,46 @@ double ordered_dot(const double* a, const double* b, std::size_t n) {
 
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
-              const std::function<void(const double*, double*)>& precondition, PcgWorkspace& ws) {
+              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws) {
     PcgResult result;
     std::fill(x, x + n, 0.0);
-    ws.r.assign(b, b + n), ws.r_old.resize(n), ws.z.resize(n), ws.p.resize(n), ws.ap.resize(n);
+    ws.r.assign(b, b + n), ws.z.resize(n), ws.p.resize(n), ws.ap.assign(n, 0.0);
     const double norm_b = std::sqrt(ordered_dot(b, b, n));
     if (norm_b == 0) {  // not for NaN, which must not pass for a solved system
         result.converged = true;
         return result;
     }
-    double rz = 0.0;
+    const int size = static_cast<int>(n);
+    double *r = ws.r.data(), *z = ws.z.data(), *p = ws.p.data(), *ap = ws.ap.data();
+    const auto dot = [&](const double* a, const double* c) {
+        return parallel_sum(threads, size, kGrain, [&](int begin, int end) {
+            return ordered_dot(a + begin, c + begin, static_cast<std::size_t>(end - begin));
+        });
+    };
+    double rz = 0.0, step = 0.0;
     result.relative_residual = 1.0;
     for (int k = 0; k < max_iterations; ++k) {
-        precondition(ws.r.data(), ws.z.data());
-        const double rz_new = ordered_dot(ws.r.data(), ws.z.data(), n);
-        if (k == 0) {
-            ws.p = ws.z;
-        } else {
-            const double beta = std::max(0.0, (rz_new - ordered_dot(ws.r_old.data(), ws.z.data(), n)) / rz);
-            for (std::size_t i = 0; i < n; ++i) ws.p[i] = ws.z[i] + beta * ws.p[i];
-        }
+        precondition(r, z);
+        const double rz_new = dot(r, z);
+        // Flexible beta: z . (r - r_before) with r - r_before = -step A p.
+        const double beta = k == 0 ? 0.0 : std::max(0.0, -step * dot(ap, z) / rz);
+        parallel_chunks(threads, size, kGrain, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) p[i] = k == 0 ? z[i] : z[i] + beta * p[i];
+        });
         rz = rz_new;
-        apply(ws.p.data(), ws.ap.data());
-        const double curvature = ordered_dot(ws.p.data(), ws.ap.data(), n);
+        apply(p, ap);
+        const double curvature = dot(p, ap);
         if (!(curvature > 0)) {
             result.negative_curvature = true;
             return result;
         }
-        const double step = rz / curvature;
-        ws.r_old = ws.r;
-        for (std::size_t i = 0; i < n; ++i) x[i] += step * ws.p[i], ws.r[i] -= step * ws.ap[i];
+        step = rz / curvature;
+        const double rr = parallel_sum(threads, size, kGrain, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
+            return ordered_dot(r + begin, r + begin, static_cast<std::size_t>(end - begin));
+        });
         result.iterations = k + 1;
-        result.relative_residual = std::sqrt(ordered_dot(ws.r.data(), ws.r.data(), n)) / norm_b;
+        result.relative_residual = std::sqrt(rr) / norm_b;
         if (result.relative_residual <= tolerance) {
             result.converged = true;
             return result;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Preconditioned conjugate gradients with detection of negative curvature (Steihaug 1983; flexible beta, as the
-// preconditioner is in single precision). Dot products are summed in a fixed order.
+// preconditioner is in single precision). Dot products are summed in a fixed order, whatever the number of threads.
 #pragma once
 
 #include <functional>
 #include <vector>
 
+#include "grid/parallel.hpp"
+
 namespace dqa {
 
 struct PcgWorkspace {
-    std::vector<double> r, z, p, ap, r_old;
+    std::vector<double> r, z, p, ap;
 };
 
 struct PcgResult {
@@ -24,6 +26,6 @@ double ordered_dot(const double* a, const double* b, std::size_t n);
 // Solves A x = b from x = 0 to |r| <= tolerance |b|. apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r.
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
-              const std::function<void(const double*, double*)>& precondition, PcgWorkspace& ws);
+              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws);
 
 }  // namespace dqa

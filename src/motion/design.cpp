@@ -77,7 +77,8 @@ void Design::assemble() {
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
     make_constraints();
-    make_factor();
+    make_preconditioner();
+    if (scene.coarse_correction) add_coarse_correction();
     surface_ = box.dims == 2 ? extract_contour(box, point_.p_hat.data(), 0.5)
                              : extract_isosurface(box, point_.p_hat.data(), 0.5);
     for (const Vec3& x : surface_.vertices) {
@@ -117,10 +118,10 @@ void Design::make_constraints() {
                 constrained_.push_back(3 * n + axis);
 }
 
-// Projective-dynamics matrix (Bouaziz et al. 2014): M/h^2 + sum of weights G^T G, one scalar matrix for all three
+// Projective-dynamics matrix (Bouaziz et al. 2014): M/b^2 + sum of weights G^T G, one scalar matrix for all three
 // directions, with the stiffness that the body's terms ask for.
-void Design::make_factor() {
-    const double inv_h2 = 1.0 / (scene_.time_step * scene_.time_step), dx = space_->box().dx;
+void Design::make_preconditioner() {
+    const double inv_h2 = scene_.inertia_factor(), dx = space_->box().dx;
     const int n = n_nodes();
     const std::vector<Vec3> stiffness = body_->preconditioner_stiffness();
     // Lower triangle by columns on the 27-point stencil: slot of each neighbour offset with a larger node index.
@@ -163,7 +164,28 @@ void Design::make_factor() {
         for (const auto& [row, value] : entries) matrix.row.push_back(row), matrix.value.push_back(value);
         matrix.start.push_back(static_cast<int>(matrix.row.size()));
     }
-    factor_ = std::make_unique<PackedFactor>(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.instructions);
+    PackedFactor factor(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.precision, scene_.instructions);
+    preconditioner_ = std::make_unique<Preconditioner>(set_, occupancy_, std::move(factor));
+}
+
+// What the factor does not know: the exact Hessian of inertia and body at rest, with passive muscles, on a coarse grid.
+void Design::add_coarse_correction() {
+    const double inv_h2 = scene_.inertia_factor();
+    const std::size_t size = rest_.size();
+    with_crew(scene_.threads, [&](Threads threads) {
+        BodyWorkspace body;
+        std::vector<double> elastic(size), muscle(size);
+        const std::vector<double> passive(static_cast<std::size_t>(n_signals()), 0.0);
+        body_->gradient(body, rest_.data(), passive.data(), threads, elastic.data(), muscle.data());
+        preconditioner_->add_coarse(
+            set_, constrained_,
+            [&](const double* p, double* out) {
+                for (std::size_t i = 0; i < size; ++i) out[i] = mass_[i / 3] * inv_h2 * p[i];
+                body_->product(body, p, threads, out);
+                for (const int i : constrained_) out[i] = 0.0;
+            },
+            scene_.precision, scene_.instructions);
+    });
 }
 
 const Isosurface& Design::surface() const {

@@ -9,8 +9,8 @@
 
 #include "body/body.hpp"
 #include "grid/active_set.hpp"
-#include "linalg/packed_factor.hpp"
 #include "motion/muscles.hpp"
+#include "motion/preconditioner.hpp"
 #include "motion/scene.hpp"
 #include "motion/sensors.hpp"
 #include "shape/isosurface.hpp"
@@ -57,7 +57,7 @@ public:
     const std::vector<double>& spine() const { return spine_; }          // [n_nodes], sums to 1 only after division
     const Body& body() const { return *body_; }
     const Water* water() const { return water_.get(); }  // null without water
-    const PackedFactor& factor() const { return *factor_; }
+    const Preconditioner& preconditioner() const { return *preconditioner_; }
     const std::vector<double>& stiffness_diagonal() const { return diagonal_; }  // of the factorised matrix, [n_nodes]
     const std::vector<int>& constrained() const { return constrained_; }  // coordinates 3 node + axis that stay put
     const Sensors& sensors() const { return sensors_; }
@@ -76,7 +76,8 @@ public:
 
 private:
     void assemble();
-    void make_factor();
+    void make_preconditioner();
+    void add_coarse_correction();
     void make_spine();
     void make_constraints();
 
@@ -89,7 +90,7 @@ private:
     Muscles muscles_;
     std::unique_ptr<Body> body_;
     std::unique_ptr<Water> water_;
-    std::unique_ptr<PackedFactor> factor_;
+    std::unique_ptr<Preconditioner> preconditioner_;
     std::vector<int> constrained_;
     Sensors sensors_;
     double barycenter_seconds_ = 0.0;

@@ -9,6 +9,7 @@
 
 #include "body/body.hpp"
 #include "grid/simd.hpp"
+#include "linalg/packed_factor.hpp"
 #include "water/water.hpp"
 
 namespace dqa {
@@ -27,8 +28,10 @@ struct SceneSettings {
     int max_newton = 50;
     int max_linear = 2000;
     InstructionSet instructions = InstructionSet::automatic;
-    double time_step = 1.0 / 30.0;  // s
-    double young_modulus = 5e6;     // Pa
+    Precision precision = Precision::single_precision;  // of the preconditioner
+    bool coarse_correction = true;                      // of the preconditioner
+    double time_step = 1.0 / 30.0;                      // s
+    double young_modulus = 5e6;                         // Pa
     double poisson_ratio = 0.45;
     double density = 1000.0;        // kg/m^3
     double muscle_stiffness = 2e6;  // Pa
@@ -44,6 +47,11 @@ struct SceneSettings {
     // By cell of the box, in place of young_modulus and muscle_stiffness where not null (Pa, [n_box_cells]).
     std::shared_ptr<const std::vector<double>> young_of_cell, muscle_of_cell;
 
+    // 1/b^2 of the integrator's step length b; see stepper.hpp.
+    double inertia_factor() const {
+        const double b = integrator == Integrator::bdf2 ? 2.0 / 3.0 * time_step : time_step;
+        return 1.0 / (b * b);
+    }
     double young(int box_cell) const {
         return young_of_cell ? (*young_of_cell)[static_cast<std::size_t>(box_cell)] : young_modulus;
     }

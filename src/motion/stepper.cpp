@@ -91,7 +91,7 @@ void Stepper::apply_hessian(const double* p, double* out) {
 }
 
 void Stepper::precondition(const double* in, double* out) {
-    design_->factor().solve(in, out, factor_);
+    design_->preconditioner().solve(in, out, threads_, preconditioner_);
     mask(out);
 }
 
@@ -173,7 +173,7 @@ bool Stepper::newton_direction(double forcing, StepReport& report) {
     const PcgResult r = pcg(
         size_, b.data(), direction_.data(), forcing, scene_.max_linear,
         [&](const double* p, double* out) { apply_hessian(p, out); },
-        [&](const double* in, double* out) { precondition(in, out); }, krylov_);
+        [&](const double* in, double* out) { precondition(in, out); }, threads_, krylov_);
     report.linear_iterations += r.iterations;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
     return r.iterations > 0 && std::isfinite(r.relative_residual);
@@ -211,6 +211,7 @@ StepReport Stepper::step(const State& now, const StepInput& input, long step, St
 StepReport Stepper::solve(const State& before, const StepInput& input, long step, State& next_state) {
     StepReport report;
     begin(before, input);
+    design_->preconditioner().turn(before.q.data(), threads_, preconditioner_);
     std::vector<double> x(y_);
     for (const int i : design_->constrained()) x[static_cast<std::size_t>(i)] = before.q[static_cast<std::size_t>(i)];
     Evaluation now = evaluate(x.data(), input.signals);
@@ -391,6 +392,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     AdjointReport report;
     begin(now, input);
     const double* q_new = next.q.data();
+    design_->preconditioner().turn(q_new, threads_, preconditioner_);
     evaluate(q_new, input.signals);
     // v+ = (q+ - q~) / b except on constrained coordinates, where it is zero.
     std::vector<double> total(next_bar.v);
@@ -412,7 +414,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         const PcgResult r = pcg(
             size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear,
             [&](const double* p, double* product) { apply_hessian(p, product); },
-            [&](const double* in, double* product) { precondition(in, product); }, krylov_);
+            [&](const double* in, double* product) { precondition(in, product); }, threads_, krylov_);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;

@@ -93,7 +93,7 @@ private:
     BodyWorkspace body_;
     WaterWorkspace water_;
     PcgWorkspace krylov_;
-    PackedFactor::Workspace factor_;
+    Preconditioner::Workspace preconditioner_;
     std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
     std::vector<double> candidate_;

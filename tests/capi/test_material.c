@@ -183,8 +183,8 @@ static void ranges(void** state) {
     refused(dqa_simulator_create(space, &o, &simulator), DQA_ERROR_ARGUMENT, "integrator");
     o = defaults(), o.planar = 2;
     refused(dqa_simulator_create(space, &o, &simulator), DQA_ERROR_ARGUMENT, "planar");
-    o = defaults(), o.padding_2 = 1;
-    refused(dqa_simulator_create(space, &o, &simulator), DQA_ERROR_ARGUMENT, "padding_2");
+    o = defaults(), o.preconditioner = 7;
+    refused(dqa_simulator_create(space, &o, &simulator), DQA_ERROR_ARGUMENT, "preconditioner");
     assert_null(simulator);
 }
 

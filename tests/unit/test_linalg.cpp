@@ -166,15 +166,15 @@ void test_packed_solve() {
     for (const InstructionSet wanted : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
         if (choose_instruction_set(wanted) != wanted) continue;
         ++tried;
-        const PackedFactor packed(factor, wanted);
+        const PackedFactor packed(factor, Precision::single_precision, wanted);
         CHECK(packed.entries() == factor.entries && packed.bytes() >= 4 * static_cast<std::size_t>(factor.entries));
         Vector out(n), other(n);
-        packed.solve(b.data(), out.data(), ws);
+        packed.solve(b.data(), out.data(), 1, ws);
         NEAR(relative_difference(out, x), 0.0, 1e-5);
         if (reference.empty()) reference = out;
         NEAR(relative_difference(out, reference), 0.0, 1e-5);
         // A symmetric positive operator up to rounding.
-        packed.solve(y.data(), other.data(), ws);
+        packed.solve(y.data(), other.data(), 1, ws);
         const double xy = dot_of(out, y), yx = dot_of(other, b);
         NEAR(xy, yx, 1e-5 * norm_of(out) * norm_of(y));
         CHECK(dot_of(other, y) > 0);
@@ -182,12 +182,12 @@ void test_packed_solve() {
         for (const double scale : {1.0, 1e-60, 1e60}) {
             Vector in_place(b);
             for (double& v : in_place) v *= scale;
-            packed.solve(in_place.data(), in_place.data(), ws);
+            packed.solve(in_place.data(), in_place.data(), 1, ws);
             for (double& v : in_place) v /= scale;
             NEAR(relative_difference(in_place, x), 0.0, 1e-5);
         }
         const Vector zero(n, 0.0);
-        packed.solve(zero.data(), out.data(), ws);
+        packed.solve(zero.data(), out.data(), 1, ws);
         CHECK(norm_of(out) == 0.0);
     }
     CHECK(tried >= 1);
@@ -200,7 +200,8 @@ void test_pcg_with_packed_factor() {
     Vector weight(static_cast<std::size_t>(set.n_cells()));
     for (double& w : weight) w = std::pow(10.0, between(random, -8, 0));
     const SymmetricMatrix m = laplacian(set, weight, 1e-6);
-    const PackedFactor packed(factorise(m, nested_dissection(set.node_ijk)), InstructionSet::automatic);
+    const PackedFactor packed(factorise(m, nested_dissection(set.node_ijk)), Precision::single_precision,
+                              InstructionSet::automatic);
     PackedFactor::Workspace factor_ws;
     PcgWorkspace ws;
     const std::size_t n = 3 * static_cast<std::size_t>(m.n);
@@ -210,12 +211,12 @@ void test_pcg_with_packed_factor() {
         const Vector product = multiply(m, Vector(p, p + n), 3);
         std::copy(product.begin(), product.end(), out);
     };
-    const auto precondition = [&](const double* r, double* z) { packed.solve(r, z, factor_ws); };
-    const PcgResult r = pcg(n, b.data(), x.data(), 1e-11, 100, apply, precondition, ws);
+    const auto precondition = [&](const double* r, double* z) { packed.solve(r, z, 1, factor_ws); };
+    const PcgResult r = pcg(n, b.data(), x.data(), 1e-11, 100, apply, precondition, 1, ws);
     CHECK(r.converged && !r.negative_curvature);
     CHECK(r.iterations > 1 && r.iterations <= 12);
     NEAR(relative_difference(multiply(m, x, 3), b), 0.0, 2e-11);
-    const PcgResult few = pcg(n, b.data(), x.data(), 1e-13, 1, apply, precondition, ws);
+    const PcgResult few = pcg(n, b.data(), x.data(), 1e-13, 1, apply, precondition, 1, ws);
     CHECK(!few.converged && few.iterations == 1 && few.relative_residual > 1e-13);
     NEAR(relative_difference(multiply(m, x, 3), b), few.relative_residual, 1e-6);
 }
@@ -229,23 +230,23 @@ void test_pcg_special_cases() {
     };
     const auto identity = diagonal({1, 1, 1, 1});
     Vector b = {1, 2, 3, 4}, x(4);
-    PcgResult r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, ws);
+    PcgResult r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, 1, ws);
     CHECK(r.converged && r.iterations == 4);
     for (const double v : x) NEAR(v, 1.0, 1e-12);
-    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, -30, 4}), identity, ws);
+    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, -30, 4}), identity, 1, ws);
     CHECK(r.negative_curvature && !r.converged && r.iterations == 0);
     CHECK(norm_of(x) == 0.0);
     // Negative curvature in the second direction: the first iterate is kept, and is one of descent.
-    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({-0.5, 2, 3, 4}), identity, ws);
+    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({-0.5, 2, 3, 4}), identity, 1, ws);
     CHECK(r.negative_curvature && !r.converged && r.iterations >= 1);
     CHECK(dot_of(x, b) > 0);
     const Vector zero(4, 0.0);
-    r = pcg(4, zero.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, ws);
+    r = pcg(4, zero.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, 1, ws);
     CHECK(r.converged && r.iterations == 0 && norm_of(x) == 0.0);
     b[2] = std::nan("");
-    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, ws);
+    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, 3, 4}), identity, 1, ws);
     CHECK(!r.converged);
-    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, std::nan(""), 4}), identity, ws);
+    r = pcg(4, b.data(), x.data(), 1e-12, 10, diagonal({1, 2, std::nan(""), 4}), identity, 1, ws);
     CHECK(!r.converged);
 }
 
