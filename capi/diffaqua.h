@@ -275,8 +275,9 @@ typedef struct dqa_adjoint dqa_adjoint;
 #define DQA_METHOD_PROJECTIVE 2    /* L-BFGS on the projective-dynamics factor (Liu et al. 2017), as the paper: no Hessian
                                       forward; its adjoint is that of NEWTON_PCG */
 
-#define DQA_PRECONDITIONER_TWO_LEVEL 0 /* the projective-dynamics factor and a correction on a grid three times coarser */
-#define DQA_PRECONDITIONER_FACTOR 1    /* the factor alone: two to three times the iterations */
+#define DQA_PRECONDITIONER_MULTILEVEL 0 /* diagonal blocks and a multigrid cycle, turned with the body */
+#define DQA_PRECONDITIONER_FACTOR 1 /* the projective-dynamics factor in place of the diagonal blocks, as METHOD_PROJECTIVE
+                                       has it in any case: dearer on most scenes */
 
 #define DQA_PRECISION_SINGLE 0 /* 24 bits: half the memory traffic */
 #define DQA_PRECISION_DOUBLE 1 /* 53 bits */
@@ -316,7 +317,7 @@ typedef struct dqa_simulator_options {
     int32_t integrator;          /* DQA_INTEGRATOR_*: default implicit Euler */
     int32_t material;            /* DQA_MATERIAL_*: default corotated, the paper's */
     int32_t planar;              /* 1: no node moves along z (a constraint); default 0; of no effect in two dimensions */
-    int32_t preconditioner;      /* DQA_PRECONDITIONER_*: speed only; default DQA_PRECONDITIONER_TWO_LEVEL */
+    int32_t preconditioner;      /* DQA_PRECONDITIONER_*: speed only; default DQA_PRECONDITIONER_MULTILEVEL */
     double time_step;            /* s, > 0; default 1/30 */
     double young_modulus;        /* Pa, > 0: of the solid; cells scale it by their occupancy; default 5e6 */
     double poisson_ratio;        /* in [0, 0.5); default 0.45 (of material COROTATED only mu enters) */
@@ -398,7 +399,7 @@ typedef struct dqa_simulator_info {
     int64_t n_body_cells;       /* cells whose density exceeds 1/2 */
     int64_t n_faces;            /* faces of the diffuse surface */
     int64_t n_muscle_cells;  /* cells with at least one fibre */
-    int64_t factor_entries;     /* of the preconditioner's Cholesky factor */
+    int64_t factor_entries;     /* of the preconditioner's Cholesky factors */
     int64_t steps;              /* taken since the design was set or the state was last set */
     int64_t newton_iterations;  /* totals since the design was set */
     int64_t linear_iterations;  /* of conjugate gradients (factorisations with newton_direct) */

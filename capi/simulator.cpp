@@ -49,8 +49,8 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
                   "material", "one of DQA_MATERIAL_*");
     require_range(o.planar, o.planar == 0 || o.planar == 1, "planar", "0 or 1");
     require_range(o.preconditioner,
-                  o.preconditioner == DQA_PRECONDITIONER_TWO_LEVEL || o.preconditioner == DQA_PRECONDITIONER_FACTOR,
-                  "preconditioner", "DQA_PRECONDITIONER_TWO_LEVEL or DQA_PRECONDITIONER_FACTOR");
+                  o.preconditioner == DQA_PRECONDITIONER_MULTILEVEL || o.preconditioner == DQA_PRECONDITIONER_FACTOR,
+                  "preconditioner", "DQA_PRECONDITIONER_MULTILEVEL or DQA_PRECONDITIONER_FACTOR");
     require_range(o.water, o.water >= DQA_WATER_NONE && o.water <= DQA_WATER_EXPLICIT, "water", "one of DQA_WATER_*");
     require_range(o.water_faces, o.water_faces == DQA_FACES_BOTH || o.water_faces == DQA_FACES_WINDWARD, "water_faces",
                   "DQA_FACES_BOTH or DQA_FACES_WINDWARD");
@@ -100,7 +100,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     s.hydrodynamics.windward_only = o.water_faces == DQA_FACES_WINDWARD;
     s.max_newton = o.max_newton, s.max_linear = o.max_linear;
     s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
-    s.coarse_correction = o.preconditioner == DQA_PRECONDITIONER_TWO_LEVEL;
+    s.preconditioner = static_cast<dqa::PreconditionerKind>(o.preconditioner);
     s.precision = static_cast<dqa::Precision>(o.preconditioner_precision);
     s.time_step = o.time_step;
     s.young_modulus = o.young_modulus, s.poisson_ratio = o.poisson_ratio, s.density = o.density;
@@ -237,7 +237,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
                          "design set: %d cells, %d nodes, %d faces, %lld factor entries; %.3g s, of which %.3g s for "
                          "the barycentre (%d iterations)",
                          design->set().n_cells(), design->n_nodes(), design->water() ? design->water()->n_faces() : 0,
-                         static_cast<long long>(design->preconditioner().factor().entries()), simulator->setup_seconds,
+                         static_cast<long long>(design->preconditioner().factor_entries()), simulator->setup_seconds,
                          design->barycenter_seconds(), design->point().barycenter.iterations);
     });
 }
@@ -340,7 +340,7 @@ dqa_status dqa_simulator_get_info(const dqa_simulator* simulator, dqa_simulator_
             i.n_nodes = d.n_nodes(), i.n_active_cells = d.set().n_cells(), i.n_body_cells = d.n_body_cells();
             i.n_faces = d.water() ? d.water()->n_faces() : 0;
             i.n_muscle_cells = d.n_muscle_cells();
-            i.factor_entries = d.preconditioner().factor().entries();
+            i.factor_entries = d.preconditioner().factor_entries();
             i.steps = simulator->simulation->steps();
             i.newton_iterations = simulator->newton_iterations;
             i.linear_iterations = simulator->linear_iterations;

@@ -35,6 +35,7 @@ public:
     // out [n][width] ~ A^-1 in [n][width], width 3 or 1; the two may be the same. A symmetric positive definite
     // operator up to rounding.
     void solve(const double* in, double* out, Threads threads, Workspace& ws, int width = 3) const;
+    int size() const { return n_; }
     long entries() const { return entries_; }
     std::size_t bytes() const { return single_.size() * sizeof(float) + double_.size() * sizeof(double); }
 

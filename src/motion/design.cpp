@@ -77,8 +77,8 @@ void Design::assemble() {
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
     make_constraints();
+    make_diagonal();
     make_preconditioner();
-    if (scene.coarse_correction) add_coarse_correction();
     surface_ = box.dims == 2 ? extract_contour(box, point_.p_hat.data(), 0.5)
                              : extract_isosurface(box, point_.p_hat.data(), 0.5);
     for (const Vec3& x : surface_.vertices) {
@@ -118,15 +118,25 @@ void Design::make_constraints() {
                 constrained_.push_back(3 * n + axis);
 }
 
+// Diagonal of the projective-dynamics matrix.
+void Design::make_diagonal() {
+    const double dx = space_->box().dx;
+    const std::vector<Vec3> stiffness = body_->preconditioner_stiffness();
+    diagonal_.assign(mass_.size(), 0.0);
+    for (std::size_t n = 0; n < mass_.size(); ++n) diagonal_[n] = mass_[n] * scene_.inertia_factor();
+    for (std::size_t c = 0; c < stiffness.size(); ++c)
+        for (const int n : set_.cell_nodes[c])
+            diagonal_[static_cast<std::size_t>(n)] += (stiffness[c][0] + stiffness[c][1] + stiffness[c][2]) * dx / 9.0;
+}
+
 // Projective-dynamics matrix (Bouaziz et al. 2014): M/b^2 + sum of weights G^T G, one scalar matrix for all three
 // directions, with the stiffness that the body's terms ask for.
-void Design::make_preconditioner() {
-    const double inv_h2 = scene_.inertia_factor(), dx = space_->box().dx;
+std::unique_ptr<PackedFactor> Design::make_factor() const {
+    const double dx = space_->box().dx;
     const int n = n_nodes();
     const std::vector<Vec3> stiffness = body_->preconditioner_stiffness();
     // Lower triangle by columns on the 27-point stencil: slot of each neighbour offset with a larger node index.
     std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(n));
-    diagonal_.assign(static_cast<std::size_t>(n), 0.0);
     double local[3][8][8];
     for (int axis = 0; axis < 3; ++axis)
         for (int a = 0; a < 8; ++a)
@@ -137,12 +147,8 @@ void Design::make_preconditioner() {
         for (std::size_t a = 0; a < 8; ++a)
             for (std::size_t b = 0; b < 8; ++b) {
                 const int row = nodes[a], column = nodes[b];
-                if (row < column) continue;
+                if (row <= column) continue;
                 const double value = w[0] * local[0][a][b] + w[1] * local[1][a][b] + w[2] * local[2][a][b];
-                if (row == column) {
-                    diagonal_[static_cast<std::size_t>(row)] += value;
-                    continue;
-                }
                 auto& entries = columns[static_cast<std::size_t>(column)];
                 const auto at =
                     std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == row; });
@@ -156,7 +162,6 @@ void Design::make_preconditioner() {
     matrix.n = n;
     matrix.start.push_back(0);
     for (int j = 0; j < n; ++j) {
-        diagonal_[static_cast<std::size_t>(j)] += mass_[static_cast<std::size_t>(j)] * inv_h2;
         matrix.row.push_back(j);
         matrix.value.push_back(diagonal_[static_cast<std::size_t>(j)]);
         auto& entries = columns[static_cast<std::size_t>(j)];
@@ -164,27 +169,28 @@ void Design::make_preconditioner() {
         for (const auto& [row, value] : entries) matrix.row.push_back(row), matrix.value.push_back(value);
         matrix.start.push_back(static_cast<int>(matrix.row.size()));
     }
-    PackedFactor factor(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.precision, scene_.instructions);
-    preconditioner_ = std::make_unique<Preconditioner>(set_, occupancy_, std::move(factor));
+    return std::make_unique<PackedFactor>(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.precision,
+                                          scene_.instructions);
 }
 
-// What the factor does not know: the exact Hessian of inertia and body at rest, with passive muscles, on a coarse grid.
-void Design::add_coarse_correction() {
-    const double inv_h2 = scene_.inertia_factor();
+// Inertia and body at rest, with passive muscles.
+void Design::make_preconditioner() {
+    const double inv_b2 = scene_.inertia_factor();
     const std::size_t size = rest_.size();
+    const bool factor = scene_.preconditioner == PreconditionerKind::factor || scene_.method == Method::projective;
     with_crew(scene_.threads, [&](Threads threads) {
         BodyWorkspace body;
         std::vector<double> elastic(size), muscle(size);
         const std::vector<double> passive(static_cast<std::size_t>(n_signals()), 0.0);
         body_->gradient(body, rest_.data(), passive.data(), threads, elastic.data(), muscle.data());
-        preconditioner_->add_coarse(
-            set_, constrained_,
-            [&](const double* p, double* out) {
-                for (std::size_t i = 0; i < size; ++i) out[i] = mass_[i / 3] * inv_h2 * p[i];
-                body_->product(body, p, threads, out);
-                for (const int i : constrained_) out[i] = 0.0;
-            },
-            scene_.precision, scene_.instructions);
+        const auto apply = [&](const double* p, double* out) {
+            for (std::size_t i = 0; i < size; ++i) out[i] = mass_[i / 3] * inv_b2 * p[i];
+            body_->product(body, p, threads, out);
+            for (const int i : constrained_) out[i] = 0.0;
+        };
+        preconditioner_ =
+            std::make_unique<Preconditioner>(set_, occupancy_, constrained_, apply, factor ? make_factor() : nullptr,
+                                             scene_.precision, scene_.instructions);
     });
 }
 

@@ -77,7 +77,8 @@ public:
 private:
     void assemble();
     void make_preconditioner();
-    void add_coarse_correction();
+    void make_diagonal();
+    std::unique_ptr<PackedFactor> make_factor() const;
     void make_spine();
     void make_constraints();
 

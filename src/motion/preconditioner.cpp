@@ -5,14 +5,12 @@
 #include <cmath>
 #include <map>
 
-#include "linalg/nested_dissection.hpp"
-
 namespace dqa {
 namespace {
 
-constexpr int kNodeGrain = 256;
-constexpr int kCoarsening = 3;        // fine cells to a coarse one, each way
-constexpr double kCoarseShare = 0.5;  // of the coarse correction: smooth modes that the factor knows well count twice
+constexpr int kGrain = 256;           // nodes or cells a chunk
+constexpr double kLocalShare = 0.8;   // of the diagonal blocks beside the coarse grids
+constexpr double kFactorShare = 0.5;  // of the coarse grids beside the factor, which knows many smooth modes as well
 
 // Polar factor of f (row-major 3 x 3) by Newton's iteration; the identity where f is singular or inverted: a
 // preconditioner may be wrong there, but not undefined.
@@ -33,18 +31,98 @@ void turn_of(const double* f, double* r) {
             change += (next - r[k]) * (next - r[k]);
             r[k] = next;
         }
-        if (change < 1e-12) return;
+        if (change < 1e-10) return;
     }
+    // Not converged: strongly sheared cells. What is left is too far from a rotation to be trusted.
+    identity();
+}
+
+bool of_colour(const GridNode& node, int period, int colour) {
+    return (node[0] % period * period + node[1] % period) * period + node[2] % period == colour;
+}
+
+// The diagonal blocks of an operator on grid nodes that couple one apart, by probing: nodes of equal parity do not.
+std::vector<std::array<double, 9>> diagonal_blocks(const std::vector<GridNode>& nodes, const std::vector<char>& free,
+                                                   const std::function<void(const double*, double*)>& apply) {
+    const std::size_t n = nodes.size();
+    std::vector<std::array<double, 9>> blocks(n);
+    std::vector<double> probe(3 * n), image(3 * n);
+    for (int colour = 0; colour < 8; ++colour) {
+        if (std::none_of(nodes.begin(), nodes.end(), [&](const GridNode& k) { return of_colour(k, 2, colour); }))
+            continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t a = 0; a < 3; ++a)
+                    probe[3 * i + a] = a == axis && free[3 * i + a] && of_colour(nodes[i], 2, colour) ? 1.0 : 0.0;
+            apply(probe.data(), image.data());
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t a = 0; a < 3 && of_colour(nodes[i], 2, colour); ++a)
+                    blocks[i][3 * a + axis] = image[3 * i + a];
+        }
+    }
+    return blocks;
+}
+
+// Q^T H Q by probing: coarse nodes of equal coordinates modulo 3 are not coupled.
+BlockMatrix coarse_matrix(const GridTransfer& q, std::size_t n_fine, const std::vector<char>& free,
+                          const std::function<void(const double*, double*)>& apply) {
+    const std::size_t n = q.coarse.size();
+    std::map<GridNode, int> index;
+    for (std::size_t c = 0; c < n; ++c) index.emplace(q.coarse[c], static_cast<int>(c));
+    BlockMatrix matrix;
+    for (const GridNode& node : q.coarse) {
+        for (int o = 0; o < 27; ++o) {
+            const auto at = index.find({node[0] + o / 9 - 1, node[1] + o / 3 % 3 - 1, node[2] + o % 3 - 1});
+            if (at != index.end()) matrix.column.push_back(at->second);
+        }
+        matrix.start.push_back(static_cast<int>(matrix.column.size()));
+    }
+    matrix.block.resize(matrix.column.size());
+    std::vector<double> probe(3 * n_fine), image(3 * n_fine), sums(3 * n);
+    for (int colour = 0; colour < 27; ++colour) {
+        std::vector<char> probed(n);
+        for (std::size_t c = 0; c < n; ++c) probed[c] = of_colour(q.coarse[c], 3, colour);
+        if (std::find(probed.begin(), probed.end(), 1) == probed.end()) continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::fill(probe.begin(), probe.end(), 0.0);
+            for (std::size_t c = 0; c < n; ++c)
+                for (int s = q.coarse_start[c]; probed[c] && s < q.coarse_start[c + 1]; ++s) {
+                    const std::size_t i = 3 * static_cast<std::size_t>(q.coarse_to[static_cast<std::size_t>(s)]) + axis;
+                    if (free[i]) probe[i] = static_cast<double>(q.coarse_weight[static_cast<std::size_t>(s)]);
+                }
+            apply(probe.data(), image.data());
+            std::fill(sums.begin(), sums.end(), 0.0);
+            for (std::size_t c = 0; c < n; ++c)
+                for (int s = q.coarse_start[c]; s < q.coarse_start[c + 1]; ++s)
+                    for (std::size_t a = 0; a < 3; ++a)
+                        sums[3 * c + a] +=
+                            static_cast<double>(q.coarse_weight[static_cast<std::size_t>(s)]) *
+                            image[3 * static_cast<std::size_t>(q.coarse_to[static_cast<std::size_t>(s)]) + a];
+            // The one probed neighbour of each node gave its sums.
+            for (std::size_t c = 0; c < n; ++c)
+                for (int k = matrix.start[c]; k < matrix.start[c + 1]; ++k)
+                    if (probed[static_cast<std::size_t>(matrix.column[static_cast<std::size_t>(k)])])
+                        for (std::size_t a = 0; a < 3; ++a)
+                            matrix.block[static_cast<std::size_t>(k)][3 * a + axis] = sums[3 * c + a];
+        }
+    }
+    return matrix;
 }
 
 }  // namespace
 
-Preconditioner::Preconditioner(const ActiveSet& set, const std::vector<double>& cell_weight, PackedFactor factor)
-    : factor_(std::move(factor)),
+Preconditioner::Preconditioner(const ActiveSet& set, const std::vector<double>& cell_weight,
+                               const std::vector<int>& constrained,
+                               const std::function<void(const double*, double*)>& apply,
+                               std::unique_ptr<PackedFactor> factor, Precision precision, InstructionSet instructions)
+    : precision_(precision),
+      factor_(std::move(factor)),
+      nodes_(set.node_ijk),
+      transfer_(nodes_),
       inv_dx_(1.0 / set.box.dx),
       slab_(set.box.dims == 2 ? 1.0 : 0.0),
       cell_nodes_(set.cell_nodes),
-      node_start_(static_cast<std::size_t>(set.n_nodes()) + 1, 0),
+      node_start_(nodes_.size() + 1, 0),
       cell_weight_(cell_weight) {
     for (const auto& nodes : cell_nodes_)
         for (const int n : nodes) ++node_start_[static_cast<std::size_t>(n) + 1];
@@ -54,100 +132,42 @@ Preconditioner::Preconditioner(const ActiveSet& set, const std::vector<double>& 
     for (std::size_t c = 0; c < cell_nodes_.size(); ++c)
         for (const int n : cell_nodes_[c])
             node_cells_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n)]++)] = static_cast<int>(c);
+    if (precision_ == Precision::single_precision)
+        build(single_, constrained, apply, instructions);
+    else
+        build(double_, constrained, apply, instructions);
 }
 
-void Preconditioner::add_coarse(const ActiveSet& set, const std::vector<int>& constrained,
-                                const std::function<void(const double*, double*)>& apply, Precision precision,
-                                InstructionSet instructions) {
-    // Coarse nodes in the order in which fine nodes first ask for them.
-    std::map<std::array<int, 3>, int> index;
-    std::vector<std::array<int, 3>> coarse_nodes;
-    std::vector<std::vector<std::pair<int, double>>> rows;
-    to_fine_.start.push_back(0);
-    for (int n = 0; n < n_nodes(); ++n) {
-        const auto& ijk = set.node_ijk[static_cast<std::size_t>(n)];
-        for (int corner = 0; corner < 8; ++corner) {
-            std::array<int, 3> at{};
-            double weight = 1.0;
-            for (std::size_t a = 0; a < 3; ++a) {
-                const int side = corner >> a & 1, low = ijk[a] / kCoarsening;
-                const double fraction = static_cast<double>(ijk[a] % kCoarsening) / kCoarsening;
-                at[a] = low + side;
-                weight *= side ? fraction : 1.0 - fraction;
-            }
-            if (weight == 0.0) continue;
-            const auto [place, fresh] = index.try_emplace(at, static_cast<int>(coarse_nodes.size()));
-            if (fresh) coarse_nodes.push_back(at), rows.emplace_back();
-            to_fine_.other.push_back(place->second);
-            to_fine_.weight.push_back(weight);
-            rows[static_cast<std::size_t>(place->second)].emplace_back(n, weight);
-        }
-        to_fine_.start.push_back(static_cast<int>(to_fine_.other.size()));
+template <class Real>
+void Preconditioner::build(Parts<Real>& parts, const std::vector<int>& constrained,
+                           const std::function<void(const double*, double*)>& apply, InstructionSet instructions) {
+    std::vector<char> free(3 * nodes_.size(), 1);
+    for (const int i : constrained) free[static_cast<std::size_t>(i)] = 0;
+    parts.coarse = std::make_unique<Multigrid<Real>>(
+        transfer_.coarse, coarse_matrix(transfer_, nodes_.size(), free, apply), instructions);
+    if (factor_) return;
+    const auto blocks = diagonal_blocks(nodes_, free, apply);
+    parts.local.resize(12 * nodes_.size());
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        const auto inverse = invert_block(blocks[n]);
+        for (std::size_t column = 0; column < 3; ++column)
+            for (std::size_t row = 0; row < 3; ++row)
+                parts.local[12 * n + 4 * column + row] = static_cast<Real>(kLocalShare * inverse[3 * row + column]);
     }
-    to_coarse_.start.push_back(0);
-    for (const auto& row : rows) {
-        for (const auto& [n, weight] : row) to_coarse_.other.push_back(n), to_coarse_.weight.push_back(weight);
-        to_coarse_.start.push_back(static_cast<int>(to_coarse_.other.size()));
-    }
-    // Q^T H_0 Q by probing: coarse nodes of equal coordinates modulo 3 are not coupled.
-    const std::size_t size = 3 * static_cast<std::size_t>(n_nodes());
-    std::vector<std::vector<std::pair<int, double>>> columns(3 * coarse_nodes.size());
-    std::vector<double> probe(size), image(size);
-    for (int colour = 0; colour < 27; ++colour) {
-        std::vector<int> probed;
-        for (std::size_t c = 0; c < coarse_nodes.size(); ++c) {
-            const auto& k = coarse_nodes[c];
-            if ((k[0] % 3) * 9 + (k[1] % 3) * 3 + k[2] % 3 == colour) probed.push_back(static_cast<int>(c));
-        }
-        for (int axis = 0; axis < 3 && !probed.empty(); ++axis) {
-            std::fill(probe.begin(), probe.end(), 0.0);
-            for (const int c : probed)
-                for (const auto& [n, weight] : rows[static_cast<std::size_t>(c)])
-                    probe[static_cast<std::size_t>(3 * n + axis)] = weight;
-            for (const int i : constrained) probe[static_cast<std::size_t>(i)] = 0.0;
-            apply(probe.data(), image.data());
-            for (const int c : probed) {
-                const int column = 3 * c + axis;
-                for (int o = 0; o < 27; ++o) {
-                    auto at = coarse_nodes[static_cast<std::size_t>(c)];
-                    at[0] += o / 9 - 1, at[1] += o / 3 % 3 - 1, at[2] += o % 3 - 1;
-                    const auto place = index.find(at);
-                    if (place == index.end() || 3 * place->second + 2 < column) continue;
-                    std::array<double, 3> sum{};
-                    for (const auto& [n, weight] : rows[static_cast<std::size_t>(place->second)])
-                        for (std::size_t a = 0; a < 3; ++a)
-                            sum[a] += weight * image[static_cast<std::size_t>(3 * n) + a];
-                    for (int a = 0; a < 3; ++a)
-                        if (3 * place->second + a >= column)
-                            columns[static_cast<std::size_t>(column)].emplace_back(3 * place->second + a,
-                                                                                   sum[static_cast<std::size_t>(a)]);
-                }
-            }
-        }
-    }
-    SymmetricMatrix matrix;
-    matrix.n = static_cast<int>(columns.size());
-    matrix.start.push_back(0);
-    for (auto& column : columns) {
-        std::sort(column.begin(), column.end());
-        // Never singular to rounding; a coarse node whose fine nodes are all constrained has nothing but this.
-        column.front().second += column.front().second > 0 ? 1e-9 * column.front().second : 1.0;
-        for (const auto& [row, value] : column) matrix.row.push_back(row), matrix.value.push_back(value);
-        matrix.start.push_back(static_cast<int>(matrix.row.size()));
-    }
-    std::vector<int> order;
-    for (const int c : nested_dissection(coarse_nodes))
-        for (int axis = 0; axis < 3; ++axis) order.push_back(3 * c + axis);
-    coarse_ = std::make_unique<PackedFactor>(factorise(matrix, order), precision, instructions);
+}
+
+long Preconditioner::factor_entries() const {
+    return (factor_ ? factor_->entries() : 0) + (single_.coarse ? single_.coarse->factor_entries() : 0) +
+           (double_.coarse ? double_.coarse->factor_entries() : 0);
 }
 
 // Rotation of the mean deformation gradient of the cells around each node.
-void Preconditioner::node_turns(const double* q, Threads threads, std::vector<double>& turns) const {
-    const int n_cells = static_cast<int>(cell_nodes_.size()), n_nodes = static_cast<int>(node_start_.size()) - 1;
-    std::vector<double> mean(9 * static_cast<std::size_t>(n_cells));
-    parallel_chunks(threads, n_cells, kNodeGrain, [&](int begin, int end) {
+template <class Real>
+void Preconditioner::turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const {
+    ws.mean.resize(9 * cell_nodes_.size());
+    parallel_chunks(threads, static_cast<int>(cell_nodes_.size()), kGrain, [&](int begin, int end) {
         for (std::size_t c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-            double* f = mean.data() + 9 * c;
+            double f[9] = {};
             for (int corner = 0; corner < 8; ++corner) {
                 const double* x = q + 3 * cell_nodes_[c][static_cast<std::size_t>(corner)];
                 for (int axis = 0; axis < 3; ++axis) {
@@ -155,68 +175,89 @@ void Preconditioner::node_turns(const double* q, Threads threads, std::vector<do
                     for (int k = 0; k < 3; ++k) f[3 * k + axis] += s * x[k];
                 }
             }
-            for (int k = 0; k < 9; ++k) f[k] *= 0.25 * inv_dx_;
-            f[8] += slab_;
+            for (std::size_t k = 0; k < 9; ++k) ws.mean[9 * c + k] = 0.25 * inv_dx_ * f[k];
+            ws.mean[9 * c + 8] += slab_;
         }
     });
-    turns.resize(9 * static_cast<std::size_t>(n_nodes));
-    parallel_chunks(threads, n_nodes, kNodeGrain, [&](int begin, int end) {
+    scratch.turns.resize(12 * nodes_.size());
+    parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
         for (std::size_t n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
-            double f[9] = {}, weight = 0.0;
+            double f[9] = {}, r[9], weight = 0.0;
             for (int s = node_start_[n]; s < node_start_[n + 1]; ++s) {
                 const std::size_t c = static_cast<std::size_t>(node_cells_[static_cast<std::size_t>(s)]);
-                for (std::size_t k = 0; k < 9; ++k) f[k] += cell_weight_[c] * mean[9 * c + k];
+                for (std::size_t k = 0; k < 9; ++k) f[k] += cell_weight_[c] * ws.mean[9 * c + k];
                 weight += cell_weight_[c];
             }
             for (double& x : f) x /= weight;
-            turn_of(f, turns.data() + 9 * n);
+            turn_of(f, r);
+            for (std::size_t column = 0; column < 3; ++column) {
+                for (std::size_t row = 0; row < 3; ++row)
+                    scratch.turns[12 * n + 4 * column + row] = static_cast<Real>(r[3 * row + column]);
+                scratch.turns[12 * n + 4 * column + 3] = 0;
+            }
         }
     });
 }
 
 void Preconditioner::turn(const double* q, Threads threads, Workspace& ws) const {
-    if (coarse_) node_turns(q, threads, ws.turns);
+    if (precision_ == Precision::single_precision)
+        turn_with(q, threads, ws, ws.single_precision);
+    else
+        turn_with(q, threads, ws, ws.double_precision);
+}
+
+template <class Real>
+void Preconditioner::solve_with(const Parts<Real>& parts, const double* in, double* out, Threads threads, Workspace& ws,
+                                Scratch<Real>& scratch) const {
+    // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
+    double largest = 0.0;
+    for (std::size_t i = 0; i < 3 * nodes_.size(); ++i) largest = std::max(largest, std::fabs(in[i]));
+    if (!(largest > 0) || !std::isfinite(largest)) {
+        std::fill(out, out + 3 * nodes_.size(), 0.0);
+        return;
+    }
+    const Real scale = static_cast<Real>(1.0 / largest);
+    const double inverse_scale = largest;
+    if (factor_) factor_->solve(in, out, threads, ws.factor);
+    scratch.turned.resize(4 * nodes_.size());
+    parts.coarse->prepare(scratch.coarse);
+    const Real* turns = scratch.turns.data();
+    Real *turned = scratch.turned.data(), *right = scratch.coarse.right[0].data();
+    parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
+        for (int n = begin; n < end; ++n) {
+            const Real x = scale * static_cast<Real>(in[3 * n]), y = scale * static_cast<Real>(in[3 * n + 1]),
+                       z = scale * static_cast<Real>(in[3 * n + 2]);
+            const Real* r = turns + 12 * n;
+            for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
+            turned[4 * n + 3] = 0;
+        }
+    });
+    transfer_.restrict_to_coarse(turned, right, threads);
+    parts.coarse->solve(threads, scratch.coarse);
+    const Real* coarse = scratch.coarse.solution[0].data();
+    const Real share = factor_ ? static_cast<Real>(kFactorShare) : Real(1);
+    parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
+        for (int n = begin; n < end; ++n) {
+            Four<Real> sum = {};
+            transfer_.add_from_coarse(n, coarse, sum);
+            sum *= share;
+            if (!factor_) add_block(parts.local.data() + 12 * n, turned + 4 * n, sum);
+            Four<Real> back = {};
+            const Real flat[3] = {sum[0], sum[1], sum[2]};
+            add_block(turns + 12 * n, flat, back);
+            for (int a = 0; a < 3; ++a) {
+                const double value = inverse_scale * static_cast<double>(back[a]);
+                out[3 * n + a] = factor_ ? out[3 * n + a] + value : value;
+            }
+        }
+    });
 }
 
 void Preconditioner::solve(const double* in, double* out, Threads threads, Workspace& ws) const {
-    factor_.solve(in, out, threads, ws.factor);
-    if (!coarse_) return;
-    ws.turned.resize(3 * static_cast<std::size_t>(n_nodes()));
-    ws.coarse.resize(3 * static_cast<std::size_t>(n_coarse()));
-    const double* turns = ws.turns.data();
-    double *turned = ws.turned.data(), *coarse = ws.coarse.data();
-    parallel_chunks(threads, n_nodes(), kNodeGrain, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            const double *r = turns + 9 * n, *x = in + 3 * n;
-            for (int a = 0; a < 3; ++a) turned[3 * n + a] = r[a] * x[0] + r[3 + a] * x[1] + r[6 + a] * x[2];
-        }
-    });
-    parallel_chunks(threads, n_coarse(), kNodeGrain / 8, [&](int begin, int end) {
-        for (int c = begin; c < end; ++c) {
-            double x = 0.0, y = 0.0, z = 0.0;
-            for (int s = to_coarse_.start[static_cast<std::size_t>(c)];
-                 s < to_coarse_.start[static_cast<std::size_t>(c) + 1]; ++s) {
-                const double w = to_coarse_.weight[static_cast<std::size_t>(s)];
-                const double* t = turned + 3 * to_coarse_.other[static_cast<std::size_t>(s)];
-                x += w * t[0], y += w * t[1], z += w * t[2];
-            }
-            coarse[3 * c] = x, coarse[3 * c + 1] = y, coarse[3 * c + 2] = z;
-        }
-    });
-    coarse_->solve(coarse, coarse, threads, ws.coarse_factor, 1);
-    parallel_chunks(threads, n_nodes(), kNodeGrain, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            double x = 0.0, y = 0.0, z = 0.0;
-            for (int s = to_fine_.start[static_cast<std::size_t>(n)];
-                 s < to_fine_.start[static_cast<std::size_t>(n) + 1]; ++s) {
-                const double w = kCoarseShare * to_fine_.weight[static_cast<std::size_t>(s)];
-                const double* t = coarse + 3 * to_fine_.other[static_cast<std::size_t>(s)];
-                x += w * t[0], y += w * t[1], z += w * t[2];
-            }
-            const double* r = turns + 9 * n;
-            for (int a = 0; a < 3; ++a) out[3 * n + a] += r[3 * a] * x + r[3 * a + 1] * y + r[3 * a + 2] * z;
-        }
-    });
+    if (precision_ == Precision::single_precision)
+        solve_with(single_, in, out, threads, ws, ws.single_precision);
+    else
+        solve_with(double_, in, out, threads, ws, ws.double_precision);
 }
 
 }  // namespace dqa

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Preconditioner of a design's Newton systems: the projective-dynamics factor A (Bouaziz et al. 2014), one scalar
-// matrix for all directions, and a correction on a coarse grid:
-//   P^-1 = A^-1 + 1/2 (R Q) (Q^T H_0 Q)^-1 (R Q)^T.
-// A knows neither that rotations cost no energy nor how easily slender bodies bend: some tens of smooth modes are up to
-// a thousand times softer than it believes, and each costs conjugate gradients several iterations. H_0, the exact
-// Hessian at rest, knows them; Q interpolates trilinearly from every third node, and the rotations R of the cells
-// around each node turn the modes with the body. A two-level method (e.g. Toselli & Widlund 2005, ch. 2); the half
-// makes up for what both parts see. It is a function of the positions alone.
+// Preconditioner of a design's Newton systems: a local part S and a correction on coarser grids,
+//   P^-1 = S + share (R Q) M (R Q)^T,
+// where Q interpolates from every second node, M is a multigrid cycle for Q^T H_0 Q with the exact Hessian H_0 at rest,
+// and the rotations R of the cells around each node turn everything with the body. S is
+//   multilevel:  R D_0^-1 R^T, D_0 the diagonal blocks of H_0: cheap, and as parallel as a product;
+//   factor:      A^-1, the projective-dynamics factor (Bouaziz et al. 2014), one scalar matrix for all directions.
+//   Alone
+//                it knows neither that rotations cost no energy nor how easily slender bodies bend.
+// Additive multilevel methods: e.g. Toselli & Widlund 2005, ch. 2. A function of the positions alone.
 #pragma once
 
 #include <functional>
@@ -15,47 +16,63 @@
 
 #include "grid/active_set.hpp"
 #include "grid/parallel.hpp"
+#include "linalg/multigrid.hpp"
 #include "linalg/packed_factor.hpp"
 
 namespace dqa {
 
 class Preconditioner {
 public:
+    template <class Real>
+    struct Scratch {
+        std::vector<Real> turns;   // R by columns of four, [n_nodes][12]
+        std::vector<Real> turned;  // R^T residual, [n_nodes][4]
+        typename Multigrid<Real>::Workspace coarse;
+    };
     struct Workspace {
-        PackedFactor::Workspace factor, coarse_factor;
-        std::vector<double> turns;           // R, [n_nodes][9]
-        std::vector<double> turned, coarse;  // R^T residual [n_nodes][3]; coarse residual
+        PackedFactor::Workspace factor;
+        std::vector<double> mean;  // deformation gradients of the cells
+        Scratch<float> single_precision;
+        Scratch<double> double_precision;
     };
 
-    // The factor alone; cell_weight [n_cells] weighs the cells around a node (occupancy).
-    Preconditioner(const ActiveSet& set, const std::vector<double>& cell_weight, PackedFactor factor);
+    // apply(p, out): out = H_0 p, zero on the constrained coordinates where p is. factor: null for `multilevel`.
+    // cell_weight [n_cells] weighs the cells around a node (occupancy).
+    Preconditioner(const ActiveSet& set, const std::vector<double>& cell_weight, const std::vector<int>& constrained,
+                   const std::function<void(const double*, double*)>& apply, std::unique_ptr<PackedFactor> factor,
+                   Precision precision, InstructionSet instructions);
 
-    // Adds the coarse correction; apply(p, out): out = H_0 p, which leaves constrained coordinates at zero.
-    void add_coarse(const ActiveSet& set, const std::vector<int>& constrained,
-                    const std::function<void(const double*, double*)>& apply, Precision precision,
-                    InstructionSet instructions);
-
-    // Turns the coarse modes with the positions q [n_nodes][3], before solve.
+    // Turns everything with the positions q [n_nodes][3], before solve.
     void turn(const double* q, Threads threads, Workspace& ws) const;
     // out [n_nodes][3] ~ H^-1 in, not the same array. A symmetric positive definite operator up to rounding, if
-    // constrained coordinates of `out` are ignored.
+    // constrained coordinates are zero in `in` and ignored in `out`.
     void solve(const double* in, double* out, Threads threads, Workspace& ws) const;
 
-    const PackedFactor& factor() const { return factor_; }
+    // Of the Cholesky factors that it holds.
+    long factor_entries() const;
 
 private:
-    // Interpolation from the coarse nodes; compressed rows both ways.
-    struct Interpolation {
-        std::vector<int> start, other;
-        std::vector<double> weight;
+    template <class Real>
+    struct Parts {
+        std::unique_ptr<Multigrid<Real>> coarse;
+        std::vector<Real> local;  // damped D_0^-1 by columns of four, [n_nodes][12]; empty with a factor
     };
-    void node_turns(const double* q, Threads threads, std::vector<double>& turns) const;
-    int n_nodes() const { return static_cast<int>(node_start_.size()) - 1; }
-    int n_coarse() const { return static_cast<int>(to_coarse_.start.size()) - 1; }
+    template <class Real>
+    void build(Parts<Real>& parts, const std::vector<int>& constrained,
+               const std::function<void(const double*, double*)>& apply, InstructionSet instructions);
+    template <class Real>
+    void turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
+    template <class Real>
+    void solve_with(const Parts<Real>& parts, const double* in, double* out, Threads threads, Workspace& ws,
+                    Scratch<Real>& scratch) const;
+    int n_nodes() const { return static_cast<int>(nodes_.size()); }
 
-    PackedFactor factor_;
-    std::unique_ptr<PackedFactor> coarse_;
-    Interpolation to_fine_, to_coarse_;
+    Precision precision_;
+    std::unique_ptr<PackedFactor> factor_;
+    std::vector<GridNode> nodes_;
+    GridTransfer transfer_;
+    Parts<float> single_;
+    Parts<double> double_;
     double inv_dx_, slab_;
     std::vector<std::array<int, 8>> cell_nodes_;
     std::vector<int> node_start_, node_cells_;  // compressed rows: cells around each node

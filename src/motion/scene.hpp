@@ -15,6 +15,7 @@
 namespace dqa {
 
 enum class Method : int { newton_pcg = 0, newton_direct = 1, projective = 2 };
+enum class PreconditionerKind : int { multilevel = 0, factor = 1 };
 enum class Integrator : int { implicit_euler = 0, bdf2 = 1 };
 
 struct SceneSettings {
@@ -29,9 +30,9 @@ struct SceneSettings {
     int max_linear = 2000;
     InstructionSet instructions = InstructionSet::automatic;
     Precision precision = Precision::single_precision;  // of the preconditioner
-    bool coarse_correction = true;                      // of the preconditioner
-    double time_step = 1.0 / 30.0;                      // s
-    double young_modulus = 5e6;                         // Pa
+    PreconditionerKind preconditioner = PreconditionerKind::multilevel;
+    double time_step = 1.0 / 30.0;  // s
+    double young_modulus = 5e6;     // Pa
     double poisson_ratio = 0.45;
     double density = 1000.0;        // kg/m^3
     double muscle_stiffness = 2e6;  // Pa

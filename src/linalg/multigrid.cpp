@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+#include "linalg/multigrid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Dense>
+#include <map>
+
+#include "linalg/nested_dissection.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr std::size_t kCoarsest = 320;  // nodes that a direct solve takes
+constexpr double kDamping = 1.2;        // over the largest eigenvalue of D^-1 H: smooths well, and is below 2
+constexpr int kGrain = 128;             // nodes a chunk
+
+// Q^T M Q for the trilinear Q of a transfer.
+BlockMatrix galerkin(const BlockMatrix& fine, const GridTransfer& q) {
+    BlockMatrix out;
+    const std::size_t n = q.coarse.size();
+    std::vector<int> slot(n, -1);
+    for (std::size_t c = 0; c < n; ++c) {
+        const std::size_t first = out.column.size();
+        for (int s = q.coarse_start[c]; s < q.coarse_start[c + 1]; ++s) {
+            const std::size_t i = static_cast<std::size_t>(q.coarse_to[static_cast<std::size_t>(s)]);
+            const double w = static_cast<double>(q.coarse_weight[static_cast<std::size_t>(s)]);
+            for (int k = fine.start[i]; k < fine.start[i + 1]; ++k) {
+                const std::size_t j = static_cast<std::size_t>(fine.column[static_cast<std::size_t>(k)]);
+                const auto& block = fine.block[static_cast<std::size_t>(k)];
+                for (int t = q.fine_start[j]; t < q.fine_start[j + 1]; ++t) {
+                    const int other = q.fine_from[static_cast<std::size_t>(t)];
+                    int& at = slot[static_cast<std::size_t>(other)];
+                    if (at < 0) {
+                        at = static_cast<int>(out.column.size());
+                        out.column.push_back(other);
+                        out.block.push_back({});
+                    }
+                    const double factor = w * static_cast<double>(q.fine_weight[static_cast<std::size_t>(t)]);
+                    auto& sum = out.block[static_cast<std::size_t>(at)];
+                    for (std::size_t e = 0; e < 9; ++e) sum[e] += factor * block[e];
+                }
+            }
+        }
+        for (std::size_t k = first; k < out.column.size(); ++k) slot[static_cast<std::size_t>(out.column[k])] = -1;
+        out.start.push_back(static_cast<int>(out.column.size()));
+    }
+    return out;
+}
+
+std::vector<std::array<double, 9>> diagonal_inverses(const BlockMatrix& m) {
+    std::vector<std::array<double, 9>> inverse(static_cast<std::size_t>(m.size()));
+    for (std::size_t i = 0; i < inverse.size(); ++i)
+        for (int k = m.start[i]; k < m.start[i + 1]; ++k)
+            if (m.column[static_cast<std::size_t>(k)] == static_cast<int>(i))
+                inverse[i] = invert_block(m.block[static_cast<std::size_t>(k)]);
+    return inverse;
+}
+
+// Largest eigenvalue of D^-1 M by power iteration, from below.
+double largest_eigenvalue(const BlockMatrix& m, const std::vector<std::array<double, 9>>& inverse) {
+    const std::size_t n = inverse.size();
+    std::vector<Eigen::Vector3d> x(n), y(n);
+    for (std::size_t i = 0; i < n; ++i)  // rough: the largest eigenvalues belong to modes that alternate
+        x[i] = Eigen::Vector3d(i % 2 ? -1.0 : 1.0, i / 2 % 2 ? -1.0 : 1.0, i / 3 % 2 ? -1.0 : 1.0);
+    double value = 0.0;
+    for (int iteration = 0; iteration < 12; ++iteration) {
+        double norm = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+            for (int k = m.start[i]; k < m.start[i + 1]; ++k)
+                sum += Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+                           m.block[static_cast<std::size_t>(k)].data()) *
+                       x[static_cast<std::size_t>(m.column[static_cast<std::size_t>(k)])];
+            y[i] = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(inverse[i].data()) * sum;
+            norm = std::max(norm, y[i].cwiseAbs().maxCoeff());
+        }
+        if (!(norm > 0)) return 1.0;
+        value = norm;
+        for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / norm;
+    }
+    return value;
+}
+
+template <class Real>
+void by_columns(const std::array<double, 9>& block, double scale, Real* out) {
+    for (std::size_t column = 0; column < 3; ++column)
+        for (std::size_t row = 0; row < 3; ++row)
+            out[4 * column + row] = static_cast<Real>(scale * block[3 * row + column]);
+}
+
+}  // namespace
+
+std::array<double, 9> invert_block(const std::array<double, 9>& block) {
+    Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(block.data());
+    bool absent[3];
+    for (int a = 0; a < 3; ++a) {
+        absent[a] = !(m(a, a) > 0);
+        if (absent[a]) m.row(a).setZero(), m.col(a).setZero(), m(a, a) = 1.0;
+    }
+    Eigen::LLT<Eigen::Matrix3d> llt(m);
+    if (llt.info() != Eigen::Success) {
+        m = Eigen::Matrix3d(m.diagonal().asDiagonal());
+        llt.compute(m);
+    }
+    Eigen::Matrix3d inverse = llt.solve(Eigen::Matrix3d::Identity());
+    for (int a = 0; a < 3; ++a)
+        if (absent[a]) inverse(a, a) = 0.0;
+    std::array<double, 9> out;
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(out.data()) = inverse;
+    return out;
+}
+
+GridTransfer::GridTransfer(const std::vector<GridNode>& fine) {
+    std::map<GridNode, int> index;
+    std::vector<std::vector<std::pair<int, float>>> rows;
+    fine_start.push_back(0);
+    for (std::size_t n = 0; n < fine.size(); ++n) {
+        for (int corner = 0; corner < 8; ++corner) {
+            GridNode at{};
+            float weight = 1.0f;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const int side = corner >> a & 1;
+                at[a] = fine[n][a] / 2 + side;
+                weight *= fine[n][a] % 2 ? 0.5f : (side ? 0.0f : 1.0f);
+            }
+            if (weight == 0.0f) continue;
+            const auto [place, fresh] = index.try_emplace(at, static_cast<int>(coarse.size()));
+            if (fresh) coarse.push_back(at), rows.emplace_back();
+            fine_from.push_back(place->second), fine_weight.push_back(weight);
+            rows[static_cast<std::size_t>(place->second)].emplace_back(static_cast<int>(n), weight);
+        }
+        fine_start.push_back(static_cast<int>(fine_from.size()));
+    }
+    coarse_start.push_back(0);
+    for (const auto& row : rows) {
+        for (const auto& [n, weight] : row) coarse_to.push_back(n), coarse_weight.push_back(weight);
+        coarse_start.push_back(static_cast<int>(coarse_to.size()));
+    }
+}
+
+template <class Real>
+Multigrid<Real>::Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, InstructionSet instructions) {
+    while (nodes.size() > kCoarsest) {
+        Level level;
+        level.start = matrix.start, level.column = matrix.column;
+        level.block.resize(12 * matrix.block.size());
+        for (std::size_t k = 0; k < matrix.block.size(); ++k)
+            by_columns(matrix.block[k], 1.0, level.block.data() + 12 * k);
+        const auto inverse = diagonal_inverses(matrix);
+        const double damping = kDamping / largest_eigenvalue(matrix, inverse);
+        level.inverse.resize(12 * inverse.size());
+        for (std::size_t i = 0; i < inverse.size(); ++i) by_columns(inverse[i], damping, level.inverse.data() + 12 * i);
+        level.transfer = std::make_unique<GridTransfer>(nodes);
+        if (level.transfer->coarse.size() >= nodes.size()) break;  // scattered nodes that no coarser grid gathers
+        matrix = galerkin(matrix, *level.transfer);
+        nodes = level.transfer->coarse;
+        levels_.push_back(std::move(level));
+    }
+    SymmetricMatrix lower;
+    lower.n = 3 * matrix.size();
+    lower.start.push_back(0);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        for (std::size_t a = 0; a < 3; ++a) {
+            // Of a symmetric matrix the rows are the columns.
+            std::vector<std::pair<int, double>> column;
+            const int here = static_cast<int>(3 * i + a);
+            for (int k = matrix.start[i]; k < matrix.start[i + 1]; ++k)
+                for (std::size_t b = 0; b < 3; ++b) {
+                    const int row = 3 * matrix.column[static_cast<std::size_t>(k)] + static_cast<int>(b);
+                    if (row >= here) column.emplace_back(row, matrix.block[static_cast<std::size_t>(k)][3 * a + b]);
+                }
+            std::sort(column.begin(), column.end());
+            // Never singular to rounding; a coordinate that is constrained everywhere has nothing but this.
+            column.front().second += column.front().second > 0 ? 1e-9 * column.front().second : 1.0;
+            for (const auto& [row, value] : column) lower.row.push_back(row), lower.value.push_back(value);
+            lower.start.push_back(static_cast<int>(lower.row.size()));
+        }
+    std::vector<int> order;
+    for (const int c : nested_dissection(nodes))
+        for (int axis = 0; axis < 3; ++axis) order.push_back(3 * c + axis);
+    coarsest_ = std::make_unique<PackedFactor>(
+        factorise(lower, order), sizeof(Real) == 4 ? Precision::single_precision : Precision::double_precision,
+        instructions);
+}
+
+template <class Real>
+void Multigrid<Real>::prepare(Workspace& ws) const {
+    const std::size_t count = levels_.size() + 1;
+    ws.right.resize(count), ws.solution.resize(count), ws.residual.resize(count);
+    for (std::size_t l = 0; l < count; ++l) {
+        const std::size_t n =
+            4 * static_cast<std::size_t>(l < levels_.size() ? levels_[l].size() : coarsest_->size() / 3);
+        ws.right[l].resize(n), ws.solution[l].resize(n), ws.residual[l].resize(n);
+    }
+    ws.direct.resize(static_cast<std::size_t>(coarsest_->size()));
+}
+
+template <class Real>
+void Multigrid<Real>::solve(Threads threads, Workspace& ws) const {
+    cycle(0, threads, ws);
+}
+
+template <class Real>
+void Multigrid<Real>::cycle(std::size_t l, Threads threads, Workspace& ws) const {
+    const Real* right = ws.right[l].data();
+    Real* x = ws.solution[l].data();
+    if (l == levels_.size()) {
+        const std::size_t n = ws.right[l].size() / 4;
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t a = 0; a < 3; ++a) ws.direct[3 * i + a] = static_cast<double>(right[4 * i + a]);
+        coarsest_->solve(ws.direct.data(), ws.direct.data(), threads, ws.factor, 1);
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t a = 0; a < 3; ++a) x[4 * i + a] = static_cast<Real>(ws.direct[3 * i + a]);
+            x[4 * i + 3] = 0;
+        }
+        return;
+    }
+    const Level& level = levels_[l];
+    const GridTransfer& transfer = *level.transfer;
+    const int *start = level.start.data(), *column = level.column.data();
+    const Real *block = level.block.data(), *inverse = level.inverse.data();
+    Real* residual = ws.residual[l].data();
+    const auto residual_at = [&](int i) {
+        Four<Real> sum = {};
+        for (int k = start[i]; k < start[i + 1]; ++k) add_block(block + 12 * k, x + 4 * column[k], sum);
+        return Four<Real>(four(right + 4 * i) - sum);
+    };
+    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            Four<Real> sum = {};
+            add_block(inverse + 12 * i, right + 4 * i, sum);
+            four(x + 4 * i) = sum;
+        }
+    });
+    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) four(residual + 4 * i) = residual_at(i);
+    });
+    Real* coarse_right = ws.right[l + 1].data();
+    transfer.restrict_to_coarse(residual, coarse_right, threads);
+    cycle(l + 1, threads, ws);
+    const Real* coarse = ws.solution[l + 1].data();
+    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            Four<Real> sum = four(x + 4 * i);
+            transfer.add_from_coarse(i, coarse, sum);
+            four(x + 4 * i) = sum;
+        }
+    });
+    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) four(residual + 4 * i) = residual_at(i);
+    });
+    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            Four<Real> sum = four(x + 4 * i);
+            add_block(inverse + 12 * i, residual + 4 * i, sum);
+            four(x + 4 * i) = sum;
+        }
+    });
+}
+
+template class Multigrid<float>;
+template class Multigrid<double>;
+
+}  // namespace dqa

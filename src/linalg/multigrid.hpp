@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// A V-cycle for block matrices (3 x 3) on the nodes of a grid: geometric coarsening by two, trilinear interpolation,
+// Galerkin products, damped block Jacobi before and after, Cholesky on the coarsest level (e.g. Trottenberg, Oosterlee
+// & Schueller 2001, ch. 2). A symmetric positive definite approximation of the inverse.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "grid/parallel.hpp"
+#include "linalg/packed_factor.hpp"
+
+namespace dqa {
+
+using GridNode = std::array<int, 3>;
+
+template <class Real>
+struct FourOf {
+    typedef Real type __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+};
+template <class Real>
+using Four = typename FourOf<Real>::type;
+template <class Real>
+inline Four<Real>& four(Real* p) {
+    return *reinterpret_cast<Four<Real>*>(p);
+}
+template <class Real>
+inline const Four<Real>& four(const Real* p) {
+    return *reinterpret_cast<const Four<Real>*>(p);
+}
+// y += M x for a 3 x 3 block stored by columns of four.
+template <class Real>
+inline void add_block(const Real* block, const Real* x, Four<Real>& y) {
+    y += four(block) * x[0] + four(block + 4) * x[1] + four(block + 8) * x[2];
+}
+
+// Trilinear interpolation between the nodes of a grid and those of one twice as coarse, by rows both ways.
+struct GridTransfer {
+    std::vector<GridNode> coarse;                   // node (i, j, k) stands at (2 i, 2 j, 2 k)
+    std::vector<int> fine_start, fine_from;         // of each fine node: coarse nodes
+    std::vector<int> coarse_start, coarse_to;       // of each coarse node: fine nodes
+    std::vector<float> fine_weight, coarse_weight;  // halves, quarters, eighths: exact
+
+    explicit GridTransfer(const std::vector<GridNode>& fine);
+
+    // out [n_coarse][4] = Q^T in [n_fine][4]
+    template <class Real>
+    void restrict_to_coarse(const Real* in, Real* out, Threads threads) const {
+        parallel_chunks(threads, static_cast<int>(coarse.size()), 64, [&](int begin, int end) {
+            for (std::size_t c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
+                Four<Real> sum = {};
+                for (int s = coarse_start[c]; s < coarse_start[c + 1]; ++s)
+                    sum += static_cast<Real>(coarse_weight[static_cast<std::size_t>(s)]) *
+                           four(in + 4 * coarse_to[static_cast<std::size_t>(s)]);
+                four(out + 4 * c) = sum;
+            }
+        });
+    }
+    // sum += (Q coarse) at fine node n
+    template <class Real>
+    void add_from_coarse(int n, const Real* coarse_values, Four<Real>& sum) const {
+        for (int s = fine_start[static_cast<std::size_t>(n)]; s < fine_start[static_cast<std::size_t>(n) + 1]; ++s)
+            sum += static_cast<Real>(fine_weight[static_cast<std::size_t>(s)]) *
+                   four(coarse_values + 4 * fine_from[static_cast<std::size_t>(s)]);
+    }
+};
+
+// Compressed rows of 3 x 3 blocks, row-major, all of them (both triangles).
+struct BlockMatrix {
+    std::vector<int> start{0}, column;
+    std::vector<std::array<double, 9>> block;
+    int size() const { return static_cast<int>(start.size()) - 1; }
+};
+
+// Vectors are [n][4] with the fourth entry 0.
+template <class Real>
+class Multigrid {
+public:
+    // Nodes couple to their neighbours at most one away along each axis.
+    Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, InstructionSet instructions);
+
+    struct Workspace {
+        std::vector<std::vector<Real>> right, solution, residual;  // by level
+        std::vector<double> direct;
+        PackedFactor::Workspace factor;
+    };
+    // right [n][4] -> solution [n][4] in the workspace's first level.
+    void solve(Threads threads, Workspace& ws) const;
+    // Makes room; the caller fills right[0] before solve.
+    void prepare(Workspace& ws) const;
+    long factor_entries() const { return coarsest_->entries(); }
+
+private:
+    struct Level {
+        std::vector<int> start, column;
+        std::vector<Real> block;    // [block][3 columns][4]
+        std::vector<Real> inverse;  // damped inverse of the diagonal blocks, [n][3 columns][4]
+        std::unique_ptr<GridTransfer> transfer;
+        int size() const { return static_cast<int>(start.size()) - 1; }
+    };
+    void cycle(std::size_t level, Threads threads, Workspace& ws) const;
+
+    std::vector<Level> levels_;
+    std::unique_ptr<PackedFactor> coarsest_;
+};
+
+// Inverse of a symmetric positive 3 x 3 block with the rows and columns of zero diagonal left out, or of its diagonal
+// if it is not positive definite.
+std::array<double, 9> invert_block(const std::array<double, 9>& block);
+
+extern template class Multigrid<float>;
+extern template class Multigrid<double>;
+
+}  // namespace dqa
