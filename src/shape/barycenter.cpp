@@ -3,246 +3,271 @@
 
 #include <algorithm>
 #include <cmath>
-#include <Eigen/Dense>
 #include <limits>
 
 #include "grid/error.hpp"
 #include "grid/log.hpp"
 #include "grid/parallel.hpp"
+#include "shape/anderson.hpp"
+#include "shape/tangent.hpp"
 
 namespace dqa {
 namespace {
 
 constexpr double kFloor = 1e-290;  // of K w in the linear form
 const double kLogFloor = std::log(kFloor);
+constexpr int kWidest = 4;                      // width of the first kernel over sigma; halved until it is 1
+constexpr double kStartTolerance = 0.03;        // marginal error at which a wider kernel has done its work
+constexpr int kStartIterations = 400;           // and its most iterations
 const double kLogNegligible = std::log(1e-30);  // of the peak of p: a floored cell may carry no more than this
 
-// One half-iteration of base i: from x (log v) to log(K v) and log d. Linear: returns the cells where d was floored.
-class Sweep {
-public:
-    Sweep(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases, bool logarithmic)
-        : kernel_(kernel), bases_(bases), logarithmic_(logarithmic) {}
-
-    void base(std::size_t i, const double* x, double* log_kv, double* log_d) const {
-        const std::size_t n = static_cast<std::size_t>(kernel_.size());
-        std::vector<double> a(n), b(n), scratch(n);
-        if (logarithmic_) {
-            kernel_.apply_log(x, log_kv, nullptr);
-            for (std::size_t c = 0; c < n; ++c)
-                a[c] = bases_[i][c] > 0 ? std::log(bases_[i][c]) - log_kv[c] : -std::numeric_limits<double>::infinity();
-            kernel_.apply_log(a.data(), log_d, nullptr);
-            return;
-        }
-        for (std::size_t c = 0; c < n; ++c) a[c] = std::exp(x[c]);
-        kernel_.apply(a.data(), b.data(), scratch.data());
-        for (std::size_t c = 0; c < n; ++c) {
-            log_kv[c] = std::log(b[c]);
-            a[c] = bases_[i][c] > 0 ? bases_[i][c] / b[c] : 0.0;
-        }
-        kernel_.apply(a.data(), b.data(), scratch.data());
-        for (std::size_t c = 0; c < n; ++c) log_d[c] = std::log(std::max(b[c], kFloor));
-    }
-
-private:
-    const GaussianKernel& kernel_;
-    const std::vector<std::vector<double>>& bases_;
-    bool logarithmic_;
+struct Parts {
+    std::vector<std::size_t> active, idle;  // alpha_i > 0, = 0
+    std::vector<double> weights, ones;      // of the active ones; as many ones as idle ones
 };
 
-// Anderson mixing (type II) of x <- T(x): minimises the weighted residual over the affine span of the last iterates.
-class Anderson {
-public:
-    Anderson(std::size_t size, int window) : size_(size), window_(static_cast<std::size_t>(window)) {}
-
-    void restart() { dx_.clear(), df_.clear(), gram_.resize(0, 0), have_last_ = false; }
-
-    // x: iterate, f = T(x) - x; weight [size]; overwrites x with the next iterate.
-    void step(std::vector<double>& x, const std::vector<double>& f, const std::vector<double>& weight) {
-        if (have_last_) {
-            std::vector<double> ex(size_), ef(size_);
-            for (std::size_t c = 0; c < size_; ++c) ex[c] = x[c] - last_x_[c], ef[c] = f[c] - last_f_[c];
-            if (dx_.size() == window_) {
-                dx_.erase(dx_.begin()), df_.erase(df_.begin());
-                const Eigen::Index keep = gram_.rows() - 1;
-                gram_ = gram_.bottomRightCorner(keep, keep).eval();
-            }
-            dx_.push_back(std::move(ex));
-            df_.push_back(std::move(ef));
-            // Only the new row is formed, with the weight of now; older rows keep the weight of their time, which
-            // differs little and only shapes the mixing.
-            const Eigen::Index last = static_cast<Eigen::Index>(df_.size()) - 1;
-            gram_.conservativeResize(last + 1, last + 1);
-            for (Eigen::Index i = 0; i <= last; ++i)
-                gram_(i, last) = gram_(last, i) = product(df_[static_cast<std::size_t>(i)], df_.back(), weight);
-        }
-        last_x_ = x, last_f_ = f, have_last_ = true;
-        const Eigen::Index k = static_cast<Eigen::Index>(df_.size());
-        Eigen::VectorXd gamma;
-        if (k > 0) {
-            Eigen::VectorXd right(k), scale(k);
-            for (Eigen::Index i = 0; i < k; ++i) {
-                right(i) = product(df_[static_cast<std::size_t>(i)], f, weight);
-                scale(i) = gram_(i, i) > 0 ? 1.0 / std::sqrt(gram_(i, i)) : 0.0;
-            }
-            const Eigen::MatrixXd gram = scale.asDiagonal() * gram_ * scale.asDiagonal();
-            const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-            const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * scale.cwiseProduct(right);
-            const double cut = 1e-14 * eigen.eigenvalues().cwiseAbs().maxCoeff();
-            Eigen::VectorXd scaled(k);
-            for (Eigen::Index i = 0; i < k; ++i)
-                scaled(i) = eigen.eigenvalues()(i) > cut ? projected(i) / eigen.eigenvalues()(i) : 0.0;
-            gamma = scale.cwiseProduct(eigen.eigenvectors() * scaled);
-        }
-        for (std::size_t c = 0; c < size_; ++c) x[c] += f[c];
-        for (Eigen::Index j = 0; j < k; ++j) {
-            const std::vector<double>&ex = dx_[static_cast<std::size_t>(j)], &ef = df_[static_cast<std::size_t>(j)];
-            const double g = gamma(j);
-            for (std::size_t c = 0; c < size_; ++c) x[c] -= g * (ex[c] + ef[c]);
-        }
+Parts parts_of(const std::vector<double>& weights) {
+    Parts parts;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (weights[i] > 0)
+            parts.active.push_back(i), parts.weights.push_back(weights[i]);
+        else
+            parts.idle.push_back(i), parts.ones.push_back(1.0);
     }
-
-private:
-    double product(const std::vector<double>& a, const std::vector<double>& b,
-                   const std::vector<double>& weight) const {
-        double s = 0.0;
-        for (std::size_t at = 0; at < size_; at += weight.size())
-            for (std::size_t c = 0; c < weight.size(); ++c) s += weight[c] * a[at + c] * b[at + c];
-        return s;
-    }
-
-    std::size_t size_, window_;
-    bool have_last_ = false;
-    std::vector<double> last_x_, last_f_;
-    std::vector<std::vector<double>> dx_, df_;
-    Eigen::MatrixXd gram_{0, 0};
-};
-
-// Solves with one form of the kernel. Returns false if the linear form underflowed where it matters.
-bool solve_with(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
-                const std::vector<double>& weights, const BarycenterSettings& settings, bool logarithmic,
-                Barycenter& out) {
-    const std::size_t m = bases.size(), n = static_cast<std::size_t>(kernel.size());
-    const Sweep sweep(kernel, bases, logarithmic);
-    out.m = static_cast<int>(m), out.n = static_cast<int>(n);
-    out.weights = weights;
-    out.logarithmic = logarithmic;
-    out.log_v.assign(m * n, 0.0);
-    out.log_kv.assign(m * n, 0.0);
-    out.log_d.assign(m * n, 0.0);
-    out.p.assign(n, 0.0);
-    std::vector<double> log_p(n), f(m * n), x = out.log_v;
-    std::vector<double> best_x;
-    double best_error = std::numeric_limits<double>::infinity(), last_error = best_error;
-    Anderson anderson(m * n, settings.window);
-    int plain_until = 3;  // a few plain steps first: acceleration from v = 1 has nothing to go by
-    for (int iteration = 1; iteration <= settings.max_iterations; ++iteration) {
-        parallel_chunks(settings.threads, static_cast<int>(m), 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                const std::size_t at = static_cast<std::size_t>(i) * n;
-                sweep.base(static_cast<std::size_t>(i), x.data() + at, out.log_kv.data() + at, out.log_d.data() + at);
-            }
-        });
-        double log_peak = -std::numeric_limits<double>::infinity();
-        for (std::size_t c = 0; c < n; ++c) {
-            double s = 0.0;
-            for (std::size_t i = 0; i < m; ++i)
-                if (weights[i] > 0) s += weights[i] * out.log_d[i * n + c];
-            log_p[c] = s;
-            out.p[c] = std::exp(s);
-            log_peak = std::max(log_peak, s);
-        }
-        // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
-        bool finite = std::isfinite(log_peak) && (logarithmic || std::exp(log_peak) > 0);
-        double error = 0.0;
-        for (std::size_t i = 0; i < m && finite; ++i) {
-            double e = 0.0;
-            for (std::size_t c = 0; c < n; ++c) {
-                const double log_d = out.log_d[i * n + c];
-                e += std::fabs(std::exp(x[i * n + c] + log_d) - out.p[c]);
-                f[i * n + c] = log_p[c] - log_d - x[i * n + c];
-                if (!logarithmic && log_d <= kLogFloor && log_p[c] > log_peak + kLogNegligible) return false;
-            }
-            error = std::max(error, e);
-            finite = finite && std::isfinite(e);
-        }
-        if (!finite) {
-            if (!logarithmic) return false;
-            if (best_x.empty()) fail(Status::NOT_CONVERGED, "barycentre: the iteration became non-finite at once");
-            x = best_x, anderson.restart(), plain_until = iteration + 5;
-            continue;
-        }
-        if (settings.monitor) settings.monitor(iteration, error);
-        out.iterations = iteration;
-        out.marginal_error = error;
-        if (error <= settings.tolerance) {
-            out.log_v = x;
-            log_message(LogLevel::debug, "barycentre: %d iterations to a marginal error of %.2g%s", iteration, error,
-                        logarithmic ? " (logarithmic kernel)" : "");
-            return true;
-        }
-        if (error < best_error) best_error = error, best_x = x;
-        if (settings.window == 0 || iteration <= plain_until) {
-            for (std::size_t c = 0; c < m * n; ++c) x[c] += f[c];
-        } else if (error > 10.0 * best_error && error > last_error && plain_until < iteration) {
-            // Safeguard: acceleration went astray; a few plain steps from the best iterate, which always contract.
-            x = best_x, anderson.restart(), plain_until = iteration + 3;
-            best_error = std::numeric_limits<double>::infinity();
-        } else {
-            std::vector<double> weight(n);
-            const double peak = std::exp(log_peak);
-            for (std::size_t c = 0; c < n; ++c) weight[c] = peak > 0 ? out.p[c] / peak : std::exp(log_p[c] - log_peak);
-            anderson.step(x, f, weight);
-        }
-        last_error = error;
-    }
-    fail(Status::NOT_CONVERGED,
-         "barycentre: marginal error %.3g after %d iterations, expected <= %.3g; raise max_iterations or sigma",
-         out.marginal_error, settings.max_iterations, settings.tolerance);
+    return parts;
 }
 
-// y <- J_i y, J_i = diag(1/d) K diag(w / (K v)) K diag(v): a stochastic matrix, self-adjoint under the weight p.
-class Transition {
+std::vector<double> gathered(const std::vector<double>& z, const std::vector<std::size_t>& which, std::size_t n) {
+    std::vector<double> out(which.size() * n);
+    for (std::size_t k = 0; k < which.size(); ++k)
+        std::copy_n(z.begin() + static_cast<long>(which[k] * n), n, out.begin() + static_cast<long>(k * n));
+    return out;
+}
+
+struct Counter {
+    int iterations = 0, linear = 0;
+    int all() const { return iterations + linear; }
+};
+
+// Iterates for one width of the kernel and one of its forms.
+class Solver {
 public:
-    Transition(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases, const Barycenter& s)
-        : kernel_(kernel), n_(static_cast<std::size_t>(s.n)), logarithmic_(s.logarithmic) {
-        const std::size_t m = static_cast<std::size_t>(s.m);
-        v_.resize(m * n_), middle_.resize(m * n_), inv_d_.resize(m * n_);
-        for (std::size_t i = 0; i < m; ++i) {
-            for (std::size_t c = 0; c < n_; ++c) {
-                const std::size_t k = i * n_ + c;
-                const double log_w =
-                    bases[i][c] > 0 ? std::log(bases[i][c]) - s.log_kv[k] : -std::numeric_limits<double>::infinity();
-                if (logarithmic_) {
-                    v_[k] = s.log_v[k], middle_[k] = log_w;
-                } else {
-                    v_[k] = std::exp(s.log_v[k]), middle_[k] = std::exp(log_w - s.log_kv[k]);
-                    inv_d_[k] = std::exp(-s.log_d[k]);
+    // counter: iterations so far, over all widths.
+    Solver(const GaussianKernel& kernel, const Densities& bases, const std::vector<double>& weights,
+           const BarycenterSettings& settings, bool logarithmic, Counter& counter)
+        : settings_(settings),
+          weights_(weights),
+          parts_(parts_of(weights)),
+          m_(bases.size()),
+          n_(static_cast<std::size_t>(kernel.size())),
+          transport_(kernel, bases, logarithmic, settings.threads),
+          kernels_(barycenter_kernels(InstructionSet::automatic)),
+          counter_(counter),
+          kv_(m_ * n_),
+          w_(m_ * n_),
+          log_d_(m_ * n_),
+          f_(m_ * n_),
+          log_p_(n_),
+          p_(n_) {}
+
+    // From x to a marginal error within the tolerance. False if the linear form underflowed where it matters, or if
+    // `limit` iterations of this width are spent.
+    bool run(std::vector<double>& x, double tolerance, int limit) {
+        const double infinity = std::numeric_limits<double>::infinity();
+        std::vector<double> best_x;
+        double best = infinity, before = infinity;
+        Anderson anderson(m_ * n_, settings_.window);
+        const int last = std::min(settings_.max_iterations, limit < settings_.max_iterations - counter_.all()
+                                                                ? counter_.all() + limit
+                                                                : settings_.max_iterations);
+        // Steps of the iteration still to do before the next of Newton's; a few of them plain. Twice as many each time.
+        int relief = settings_.window == 0 ? std::numeric_limits<int>::max() : 0, plain = relief, next_relief = 8;
+        bool newton = false;
+        while (counter_.all() < last) {
+            const Outcome outcome = evaluate(x);
+            if (outcome == Outcome::underflow) return false;
+            tick(counter_.iterations);
+            if (outcome == Outcome::not_finite) {
+                if (best_x.empty()) fail(Status::NOT_CONVERGED, "barycentre: the iteration became non-finite at once");
+                x = best_x, best = infinity, anderson.restart(), newton = false;
+                relief = next_relief, plain = 5, next_relief *= 2;
+                continue;
+            }
+            if (error_ <= tolerance) return true;
+            if (newton && error_ > 0.9 * before) {  // no progress: back to where it was, and another way on
+                newton = false;
+                if (error_ > before) {
+                    x = best_x, best = infinity;
+                    anderson.restart(), relief = next_relief, plain = 3, next_relief *= 2;
+                    continue;
                 }
+                anderson.restart(), relief = next_relief, plain = 3, next_relief *= 2;
+            }
+            if (relief > 0 && settings_.window > 0 && error_ > 10.0 * best && error_ > before && plain == 0) {
+                // Acceleration went astray; a few plain steps from the best iterate, which always contract.
+                x = best_x, best = infinity, anderson.restart(), plain = 3;
+                continue;
+            }
+            if (error_ < best) {
+                best = error_;
+                if (settings_.window > 0) best_x = x;
+            }
+            before = error_;
+            if (relief == 0) {
+                newton_step(x, tolerance), newton = true;
+            } else if (plain > 0) {
+                for (std::size_t k = 0; k < x.size(); ++k) x[k] += f_[k];
+                if (settings_.window > 0) --plain, --relief;
+            } else {
+                anderson.step(x, f_, relative_p());
+                --relief;
             }
         }
+        return false;
     }
 
-    void apply(std::size_t i, const double* in, double* out) const {
-        std::vector<double> a(n_), scratch(n_);
-        if (logarithmic_) {
-            // Two kernel means: over v, then over w; each keeps its own scale and cannot underflow.
-            std::copy(in, in + n_, out);
-            kernel_.apply_log(v_.data() + i * n_, a.data(), out);
-            kernel_.apply_log(middle_.data() + i * n_, a.data(), out);
-            return;
-        }
-        for (std::size_t c = 0; c < n_; ++c) a[c] = v_[i * n_ + c] * in[c];
-        kernel_.apply(a.data(), a.data(), scratch.data());
-        for (std::size_t c = 0; c < n_; ++c) a[c] *= middle_[i * n_ + c];
-        kernel_.apply(a.data(), out, scratch.data());
-        for (std::size_t c = 0; c < n_; ++c) out[c] *= inv_d_[i * n_ + c];
+    double error() const { return error_; }
+
+    void write(const std::vector<double>& x, Barycenter& out) const {
+        out.m = static_cast<int>(m_), out.n = static_cast<int>(n_);
+        out.weights = weights_;
+        out.p = p_, out.log_d = log_d_, out.log_v = x, out.log_kv = kv_;
+        out.logarithmic = transport_.logarithmic();
+        out.iterations = counter_.iterations, out.linear_iterations = counter_.linear, out.marginal_error = error_;
+        if (!out.logarithmic)
+            for (std::size_t k = 0; k < kv_.size(); ++k) out.log_kv[k] = kv_[k] > 0 ? std::log(kv_[k]) : 0.0;
     }
 
 private:
-    const GaussianKernel& kernel_;
-    std::size_t n_;
-    bool logarithmic_;
-    std::vector<double> v_, middle_, inv_d_;
+    enum class Outcome { fine, underflow, not_finite };
+
+    void tick(int& kind) {
+        ++kind;
+        if (settings_.monitor) settings_.monitor(counter_.all(), error_);
+    }
+
+    std::vector<double> relative_p() const {
+        std::vector<double> q(n_);
+        for (std::size_t c = 0; c < n_; ++c) q[c] = std::exp(log_p_[c] - log_peak_);
+        return q;
+    }
+
+    // One iteration from x: w, d, p, f = T(x) - x and the marginal error.
+    Outcome evaluate(std::vector<double>& x) {
+        const bool linear = !transport_.logarithmic();
+        // v = p / d, where d is floored, is no larger; beyond that it would overflow.
+        if (linear)
+            for (double& value : x) value = std::min(value, -kLogFloor);
+        transport_.sweep(x.data(), kv_.data(), w_.data(), log_d_.data(), kFloor);
+        constexpr int grain = 1024;
+        const int chunks = (static_cast<int>(n_) + grain - 1) / grain;
+        std::vector<double> peak(static_cast<std::size_t>(chunks)), part(static_cast<std::size_t>(chunks) * m_);
+        parallel_chunks(transport_.threads(), static_cast<int>(n_), grain, [&](int begin, int end) {
+            const std::size_t first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+            double* log_p = log_p_.data() + first;
+            std::fill(log_p, log_p + count, 0.0);
+            for (std::size_t i = 0; i < m_; ++i)
+                if (weights_[i] > 0)
+                    for (std::size_t c = 0; c < count; ++c) log_p[c] += weights_[i] * log_d_[i * n_ + first + c];
+            kernels_.exp(log_p, p_.data() + first, end - begin);
+            double largest = -std::numeric_limits<double>::infinity(), sum[grain];
+            for (std::size_t c = 0; c < count; ++c) largest = log_p[c] > largest ? log_p[c] : largest;
+            peak[first / grain] = largest;
+            for (std::size_t i = 0; i < m_; ++i) {
+                const std::size_t at = i * n_ + first;
+                for (std::size_t c = 0; c < count; ++c) {
+                    sum[c] = x[at + c] + log_d_[at + c];
+                    f_[at + c] = log_p[c] - sum[c];
+                }
+                kernels_.exp(sum, sum, end - begin);
+                double e = 0.0;
+                for (std::size_t c = 0; c < count; ++c) e += std::fabs(sum[c] - p_[first + c]);
+                part[first / grain * m_ + i] = e;
+            }
+        });
+        log_peak_ = *std::max_element(peak.begin(), peak.end());
+        error_ = 0.0;
+        bool finite = std::isfinite(log_peak_);
+        for (std::size_t i = 0; i < m_; ++i) {
+            double e = 0.0;
+            for (std::size_t k = 0; k < static_cast<std::size_t>(chunks); ++k) e += part[k * m_ + i];
+            finite = finite && std::isfinite(e);
+            error_ = std::max(error_, e);
+        }
+        // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
+        if (linear && (!finite || !(std::exp(log_peak_) > 0))) return Outcome::underflow;
+        if (!finite) return Outcome::not_finite;
+        if (linear)
+            for (std::size_t i = 0; i < m_; ++i)
+                for (std::size_t c = 0; c < n_; ++c)
+                    if (log_d_[i * n_ + c] <= kLogFloor && log_p_[c] > log_peak_ + kLogNegligible)
+                        return Outcome::underflow;
+        return Outcome::fine;
+    }
+
+    // x += (I - P J)^-1 f. The residual that conjugate gradients leave is added too: a step of the iteration, which
+    // settles the cells where p is next to nothing and conjugate gradients see nothing.
+    void newton_step(std::vector<double>& x, double tolerance) {
+        // J at v = p / d with the w of this d is self-adjoint under p.
+        std::vector<double> y(x), kv(m_ * n_), w(m_ * n_), log_d(m_ * n_);
+        for (std::size_t k = 0; k < y.size(); ++k) y[k] += f_[k];
+        if (!transport_.logarithmic())
+            for (double& value : y) value = std::min(value, -kLogFloor);
+        transport_.sweep(y.data(), kv.data(), w.data(), log_d.data(), kFloor);
+        tick(counter_.iterations);
+        const Jacobian jacobian(transport_, y.data(), kv.data(), w_.data(), log_d_.data());
+        // As accurate as the next error is going to be, and no better than what is asked for.
+        const double accuracy = std::max(error_ < 1e-2 ? error_ : 0.1, 0.1 * tolerance / error_);
+        const std::vector<double> q = relative_p();
+        const CoarseCorrection correction(transport_.kernel().cells(), transport_.kernel().sigma(), q);
+        std::vector<double> moved(n_, 0.0);  // what log p changes by beyond f
+        const auto correct = [&](const std::vector<std::size_t>& which, const std::vector<double>& weights,
+                                 bool joint) {
+            const Tangent tangent(jacobian, transport_.threads(), which, weights, q, joint, correction);
+            std::vector<double> b = gathered(f_, which, n_);
+            for (std::size_t k = 0; !joint && k < b.size(); ++k) b[k] += moved[k % n_];
+            tangent.project(b);
+            std::vector<double> z = b, r(b.size());
+            tangent.laplacian(z, r);
+            tick(counter_.linear);
+            tangent.project(r);
+            const double target = accuracy * accuracy * tangent.product(b, b);
+            for (std::size_t k = 0; k < r.size(); ++k) r[k] = b[k] - r[k];
+            tangent.solve(z, r, target, [&](double) {
+                tick(counter_.linear);
+                if (counter_.all() >= settings_.max_iterations) not_converged();
+            });
+            if (joint && !parts_.idle.empty()) {
+                std::vector<double> lz(z.size());
+                tangent.laplacian(z, lz);
+                moved = tangent.mean(lz);
+            }
+            for (std::size_t k = 0; k < z.size(); ++k) z[k] += r[k];
+            tangent.centre(z);
+            for (std::size_t k = 0; k < which.size(); ++k)
+                for (std::size_t c = 0; c < n_; ++c) x[which[k] * n_ + c] += z[k * n_ + c];
+        };
+        correct(parts_.active, parts_.weights, true);
+        if (!parts_.idle.empty()) correct(parts_.idle, parts_.ones, false);
+    }
+
+public:
+    [[noreturn]] void not_converged() const {
+        fail(Status::NOT_CONVERGED,
+             "barycentre: marginal error %.3g after %d iterations, expected <= %.3g; raise max_iterations or sigma",
+             error_, counter_.all(), settings_.tolerance);
+    }
+
+private:
+    const BarycenterSettings& settings_;
+    const std::vector<double>& weights_;
+    Parts parts_;
+    std::size_t m_, n_;
+    Transport transport_;
+    const BarycenterKernels& kernels_;
+    Counter& counter_;
+    std::vector<double> kv_, w_, log_d_, f_, log_p_, p_;
+    double log_peak_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -253,10 +278,30 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
     with_crew(settings.threads.count, [&](Threads threads) {
         BarycenterSettings s(settings);
         s.threads = threads;
-        if (!s.force_log && solve_with(kernel, bases, weights, s, false, solution)) return;
-        if (!s.force_log)
+        Counter counter;
+        std::vector<double> x(bases.size() * static_cast<std::size_t>(kernel.size()), 0.0);
+        for (int widening = s.window > 0 ? kWidest : 1; widening > 1; widening /= 2) {
+            const GaussianKernel wide(kernel.cells(), widening * kernel.sigma());
+            const std::vector<double> start = x;
+            Solver solver(wide, bases, weights, s, s.force_log, counter);
+            if (!solver.run(x, std::max(kStartTolerance, s.tolerance), kStartIterations)) x = start;
+            if (counter.all() >= s.max_iterations) solver.not_converged();
+            for (double& value : x) value *= 4.0;  // sigma^2 x is kept
+        }
+        const std::vector<double> start = x;
+        for (const bool logarithmic : {false, true}) {
+            if (s.force_log && !logarithmic) continue;
+            Solver solver(kernel, bases, weights, s, logarithmic, counter);
+            if (solver.run(x, s.tolerance, s.max_iterations)) {
+                solver.write(x, solution);
+                log_message(LogLevel::debug, "barycentre: %d iterations to a marginal error of %.2g%s", counter.all(),
+                            solution.marginal_error, logarithmic ? " (logarithmic kernel)" : "");
+                return;
+            }
+            if (logarithmic || counter.all() >= s.max_iterations) solver.not_converged();
             log_message(LogLevel::info, "barycentre: the linear kernel underflows here; logarithmic kernel used");
-        solve_with(kernel, bases, weights, s, true, solution);
+            x = start;
+        }
     });
     return solution;
 }
@@ -270,95 +315,51 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
 static std::vector<double> pull_back(const GaussianKernel& kernel, const std::vector<std::vector<double>>& bases,
                                      const Barycenter& s, const double* p_bar, const BarycenterSettings& settings) {
     const std::size_t m = static_cast<std::size_t>(s.m), n = static_cast<std::size_t>(s.n);
-    const Transition transition(kernel, bases, s);
-    std::vector<std::size_t> active;
+    const Parts parts = parts_of(s.weights);
+    const Transport transport(kernel, bases, s.logarithmic, settings.threads);
+    std::vector<double> kv(s.log_kv), w(m * n);
     for (std::size_t i = 0; i < m; ++i)
-        if (s.weights[i] > 0) active.push_back(i);
-    const std::size_t a = active.size();
-    double mass = 0.0;
-    for (std::size_t c = 0; c < n; ++c) mass += s.p[c];
-    const auto centre = [&](double* y) {  // removes the constant part under p
-        double mean = 0.0;
-        for (std::size_t c = 0; c < n; ++c) mean += s.p[c] * y[c];
-        mean /= mass;
-        for (std::size_t c = 0; c < n; ++c) y[c] -= mean;
-    };
-    // z_i -> (I - J_i) z_i for all active bases.
-    const auto laplacian = [&](const std::vector<double>& in, std::vector<double>& out) {
-        parallel_chunks(settings.threads, static_cast<int>(a), 1, [&](int begin, int end) {
-            for (int k = begin; k < end; ++k) {
-                const std::size_t at = static_cast<std::size_t>(k) * n;
-                transition.apply(active[static_cast<std::size_t>(k)], in.data() + at, out.data() + at);
-                for (std::size_t c = 0; c < n; ++c) out[at + c] = in[at + c] - out[at + c];
+        for (std::size_t c = 0; c < n; ++c) {
+            const std::size_t k = i * n + c;
+            if (s.logarithmic) {
+                w[k] = bases[i][c] > 0 ? std::log(bases[i][c]) - kv[k] : -std::numeric_limits<double>::infinity();
+            } else if (transport.covers(i, c)) {
+                kv[k] = std::exp(kv[k]), w[k] = bases[i][c] / kv[k];
             }
-        });
-    };
-    const auto mean_over_bases = [&](const std::vector<double>& y, std::vector<double>& mean) {
-        mean.assign(n, 0.0);
-        for (std::size_t k = 0; k < a; ++k)
-            for (std::size_t c = 0; c < n; ++c) mean[c] += s.weights[active[k]] * y[k * n + c];
-    };
-    const auto product = [&](const std::vector<double>& y, const std::vector<double>& z) {
-        double sum = 0.0;
-        for (std::size_t k = 0; k < a; ++k) {
-            double part = 0.0;
-            for (std::size_t c = 0; c < n; ++c) part += s.p[c] * y[k * n + c] * z[k * n + c];
-            sum += s.weights[active[k]] * part;
         }
-        return sum;
-    };
-    std::vector<double> gamma(p_bar, p_bar + n);
-    centre(gamma.data());
-    std::vector<double> y(a * n), ly(a * n), r(a * n), d, mean;
-    for (std::size_t k = 0; k < a; ++k) std::copy(gamma.begin(), gamma.end(), y.begin() + static_cast<long>(k * n));
-    const auto project = [&](std::vector<double>& z) {  // onto sum_i alpha_i z_i = 0, each mean-free
-        mean_over_bases(z, mean);
-        for (std::size_t k = 0; k < a; ++k) {
-            for (std::size_t c = 0; c < n; ++c) z[k * n + c] -= mean[c];
-            centre(z.data() + k * n);
-        }
-    };
-    laplacian(y, ly);
-    std::vector<double> tau;
-    if (a > 1) {
-        for (std::size_t c = 0; c < a * n; ++c) r[c] = -ly[c];
-        project(r);
-        d = r;
-        double rr = product(r, r);
-        const double scale = product(ly, ly) + rr;
+    const Jacobian jacobian(transport, s.log_v.data(), kv.data(), w.data(), s.log_d.data());
+    std::vector<double> q(s.p);
+    const double peak = *std::max_element(q.begin(), q.end());
+    for (double& v : q) v /= peak;
+    const CoarseCorrection correction(kernel.cells(), kernel.sigma(), q);
+    const Tangent tangent(jacobian, settings.threads, parts.active, parts.weights, q, true, correction);
+    const std::vector<double> gamma(p_bar, p_bar + n);
+    std::vector<double> y(tangent.size()), ly(y.size()), r(y.size());
+    for (std::size_t k = 0; k < parts.active.size(); ++k)
+        std::copy(gamma.begin(), gamma.end(), y.begin() + static_cast<long>(k * n));
+    tangent.centre(y);
+    tangent.laplacian(y, ly);
+    if (parts.active.size() > 1) {
+        for (std::size_t k = 0; k < r.size(); ++k) r[k] = -ly[k];
+        tangent.project(r);
+        const double scale = tangent.product(ly, ly) + tangent.product(r, r);
         const double target = std::max(1e-28, 1e-4 * settings.tolerance * settings.tolerance) * scale;
         int iteration = 0;
-        std::vector<double> ld(a * n);
-        double best = rr;
-        int stalled = 0;
-        while (rr > target) {
-            if (++iteration > settings.max_iterations)
+        tangent.solve(y, r, target, [&](double norm) {
+            if (++iteration >= settings.max_iterations)
                 fail(Status::NOT_CONVERGED, "barycentre pullback: relative residual %.3g after %d iterations",
-                     std::sqrt(rr / scale), settings.max_iterations);
-            laplacian(d, ld);
-            project(ld);
-            const double curvature = product(d, ld);
-            if (!(curvature > 0)) break;
-            const double step = rr / curvature;
-            for (std::size_t c = 0; c < a * n; ++c) y[c] += step * d[c], r[c] -= step * ld[c];
-            project(r);
-            const double next = product(r, r);
-            const double beta = next / rr;
-            for (std::size_t c = 0; c < a * n; ++c) d[c] = r[c] + beta * d[c];
-            rr = next;
-            if (settings.monitor) settings.monitor(-iteration, std::sqrt(rr / scale));
-            stalled = rr < 0.5 * best ? 0 : stalled + 1;
-            best = std::min(best, rr);
-            if (stalled > 200 && rr < 1e-16 * scale) break;  // rounding floor
-        }
-        laplacian(y, ly);
+                     norm / std::sqrt(scale), settings.max_iterations);
+            if (settings.monitor) settings.monitor(-iteration, norm / std::sqrt(scale));
+        });
+        tangent.laplacian(y, ly);
     }
-    mean_over_bases(ly, tau);
-    centre(tau.data());
+    std::vector<double> tau = tangent.mean(ly);
+    double mass = 0.0, constant = 0.0;
+    for (std::size_t c = 0; c < n; ++c) mass += s.p[c], constant += s.p[c] * tau[c];
     std::vector<double> bar(m, 0.0);
     double average = 0.0;
     for (std::size_t k = 0; k < m; ++k) {
-        for (std::size_t c = 0; c < n; ++c) bar[k] += s.p[c] * tau[c] * s.log_d[k * n + c];
+        for (std::size_t c = 0; c < n; ++c) bar[k] += s.p[c] * (tau[c] - constant / mass) * s.log_d[k * n + c];
         average += bar[k] / static_cast<double>(m);
     }
     for (double& b : bar) b -= average;

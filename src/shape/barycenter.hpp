@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Wasserstein barycentre of m densities on a box (Solomon et al. 2015, algorithm 2), converged to a marginal error by
-// Anderson acceleration, and its pullback by implicit differentiation of the fixed point.
+// Newton's method, and its pullback by implicit differentiation of the fixed point.
 //
-// Unknowns x_i = log v_i, [m][n]. One iteration, per base i:
+// Unknowns x_i = log v_i, [m][n]. One iteration T, per base i:
 //   w_i = p_i / (K v_i),  d_i = K w_i,  log p = sum_k alpha_k log d_k,  x_i <- log p - log d_i.
 // Marginal error: max_i sum |v_i d_i - p|: how far plan i is from having p as its marginal.
+//
+// T's derivative on the subspace sum_i alpha_i x_i = 0 is P J with J_i of transport.hpp and P the projection onto that
+// subspace, so that x - T(x) has a symmetric positive semi-definite derivative under the weight p: Newton's systems and
+// that of the pullback are the same and are solved by conjugate gradients. The start comes from wider kernels (4, 2
+// times sigma; entropic scaling, e.g. Schmitzer 2019), whose potentials sigma^2 x differ little from those of sigma.
+// Where a step does not bring the error down, Anderson's acceleration of the iteration takes over for a while.
 #pragma once
 
 #include <functional>
@@ -17,11 +23,12 @@ namespace dqa {
 
 struct BarycenterSettings {
     double tolerance = 1e-9;
-    int max_iterations = 5000;
-    int window = 15;  // Anderson history; 0: plain iteration
+    int max_iterations = 5000;  // of both kinds together
+    int window = 15;            // of Anderson's acceleration, where it is used; 0: nothing but the plain iteration
     Threads threads{1};
     bool force_log = false;  // always the logarithmic kernel (it otherwise takes over where the linear underflows)
-    std::function<void(int iteration, double error)> monitor;  // may throw to cancel
+    // Counts both kinds; may throw to cancel.
+    std::function<void(int iteration, double error)> monitor;
 };
 
 struct Barycenter {
@@ -30,9 +37,10 @@ struct Barycenter {
     std::vector<double> p;        // [n], sums to 1 within the marginal error
     std::vector<double> log_d;    // [m][n]
     std::vector<double> log_v;    // [m][n]
-    std::vector<double> log_kv;   // [m][n]
+    std::vector<double> log_kv;   // [m][n]; where base i has cells next to each other, see transport.hpp; else 0
     bool logarithmic = false;     // which kernel form was used
-    int iterations = 0;
+    int iterations = 0;           // evaluations of T, over all widths of the kernel
+    int linear_iterations = 0;    // of conjugate gradients: as much work as an evaluation, or less
     double marginal_error = 0.0;
 };
 

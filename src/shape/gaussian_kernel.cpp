@@ -2,6 +2,7 @@
 #include "shape/gaussian_kernel.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <Eigen/Dense>
 #include <limits>
 
@@ -19,14 +20,36 @@ using Map = Eigen::Map<Matrix>;
 }  // namespace
 
 GaussianKernel::GaussianKernel(const std::array<int, 3>& cells, double sigma)
-    : cells_(cells), inv_two_sigma2_(0.5 / (sigma * sigma)) {
+    : cells_(cells), sigma_(sigma), inv_two_sigma2_(0.5 / (sigma * sigma)) {
     for (std::size_t a = 0; a < 3; ++a) {
         const int n = cells[a];
         matrix_[a].resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
                 matrix_[a][static_cast<std::size_t>(i * n + j)] = std::exp(-inv_two_sigma2_ * (i - j) * (i - j));
+        reach_[a] = 0;
+        while (reach_[a] + 1 < n && matrix_[a][static_cast<std::size_t>(reach_[a] + 1)] > 0) ++reach_[a];
     }
+    constexpr int kBeyond = 3;  // rows of a tile of the product reach so far past the last offset
+    for (std::size_t a = 0; a < 2; ++a) {
+        const int n = cells[a];
+        taps_[a].assign(static_cast<std::size_t>(2 * n - 1 + 2 * kBeyond), 0.0);
+        for (int offset = 1 - n; offset < n; ++offset)
+            taps_[a][static_cast<std::size_t>(kBeyond + n - 1 + offset)] =
+                matrix_[a][static_cast<std::size_t>(std::abs(offset))];
+    }
+    const int nz = cells[2], width = padded_z(nz);
+    along_z_.assign(static_cast<std::size_t>(nz) * static_cast<std::size_t>(width), 0.0);
+    for (int i = 0; i < nz; ++i)
+        for (int j = 0; j < nz; ++j)
+            along_z_[static_cast<std::size_t>(i * width + j)] = matrix_[2][static_cast<std::size_t>(i * nz + j)];
+}
+
+GaussianGrid GaussianKernel::grid() const {
+    return {{cells_[0], cells_[1], cells_[2]},
+            {reach_[0], reach_[1], reach_[2]},
+            {taps_[0].data() + 3, taps_[1].data() + 3},
+            along_z_.data()};
 }
 
 void GaussianKernel::apply(const double* in, double* out, double* scratch) const {

@@ -7,6 +7,8 @@
 #include <array>
 #include <vector>
 
+#include "shape/kernels.hpp"
+
 namespace dqa {
 
 class GaussianKernel {
@@ -14,6 +16,11 @@ public:
     GaussianKernel(const std::array<int, 3>& cells, double sigma);
 
     int size() const { return cells_[0] * cells_[1] * cells_[2]; }
+
+    const std::array<int, 3>& cells() const { return cells_; }
+    double sigma() const { return sigma_; }
+    // The same for the kernels of the barycentre; points into this object.
+    GaussianGrid grid() const;
 
     // out = K in. `in` and `out` may be the same array. scratch: size() doubles.
     void apply(const double* in, double* out, double* scratch) const;
@@ -24,8 +31,11 @@ public:
 
 private:
     std::array<int, 3> cells_;
-    double inv_two_sigma2_;
+    double sigma_, inv_two_sigma2_;
     std::array<std::vector<double>, 3> matrix_;  // [n][n] of each axis, symmetric
+    std::array<int, 3> reach_;                   // of each axis: exp underflows to zero beyond
+    std::array<std::vector<double>, 2> taps_;    // along x and y: by offset, see GaussianGrid
+    std::vector<double> along_z_;                // [nz][padded_z(nz)]
 };
 
 }  // namespace dqa

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define DQA_KERNEL_TABLE shape_kernels_avx2
+#include "shape/kernels_source.hpp"
