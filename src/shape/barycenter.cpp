@@ -317,17 +317,22 @@ static std::vector<double> pull_back(const GaussianKernel& kernel, const std::ve
     const std::size_t m = static_cast<std::size_t>(s.m), n = static_cast<std::size_t>(s.n);
     const Parts parts = parts_of(s.weights);
     const Transport transport(kernel, bases, s.logarithmic, settings.threads);
-    std::vector<double> kv(s.log_kv), w(m * n);
+    // As in newton_step: J at v = p / d is self-adjoint under p, whatever error the solution has kept.
+    std::vector<double> x(m * n), w(m * n), kv(m * n), new_w(m * n), new_log_d(m * n);
+    std::vector<double> log_p(n, 0.0);
+    for (const std::size_t i : parts.active)
+        for (std::size_t c = 0; c < n; ++c) log_p[c] += s.weights[i] * s.log_d[i * n + c];
     for (std::size_t i = 0; i < m; ++i)
         for (std::size_t c = 0; c < n; ++c) {
             const std::size_t k = i * n + c;
-            if (s.logarithmic) {
-                w[k] = bases[i][c] > 0 ? std::log(bases[i][c]) - kv[k] : -std::numeric_limits<double>::infinity();
-            } else if (transport.covers(i, c)) {
-                kv[k] = std::exp(kv[k]), w[k] = bases[i][c] / kv[k];
-            }
+            x[k] = log_p[c] - s.log_d[k];
+            if (!s.logarithmic) x[k] = std::min(x[k], -kLogFloor);
+            const double log_w =
+                bases[i][c] > 0 ? std::log(bases[i][c]) - s.log_kv[k] : -std::numeric_limits<double>::infinity();
+            w[k] = s.logarithmic ? log_w : std::exp(log_w);
         }
-    const Jacobian jacobian(transport, s.log_v.data(), kv.data(), w.data(), s.log_d.data());
+    transport.sweep(x.data(), kv.data(), new_w.data(), new_log_d.data(), kFloor);
+    const Jacobian jacobian(transport, x.data(), kv.data(), w.data(), s.log_d.data());
     std::vector<double> q(s.p);
     const double peak = *std::max_element(q.begin(), q.end());
     for (double& v : q) v /= peak;

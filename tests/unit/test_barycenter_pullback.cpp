@@ -194,6 +194,22 @@ void test_threads_and_limits() {
     check_same(implicit(kernel, bodies(), {0.5, 0.3, 0.2}, p_bar, s), one, 1e-6);
 }
 
+// A loosely converged barycentre gives a gradient that is as loose, whatever the last iterate left in cells that carry
+// next to nothing.
+void test_error_follows_tolerance() {
+    Random random(14);
+    for (const double sigma : {0.4, 0.7, 1.0, 1.5}) {
+        const GaussianKernel kernel(cells, sigma);
+        const Vector p_bar = random.vector(static_cast<std::size_t>(kernel.size()));
+        const Vector exact = implicit(kernel, bodies(), {0.5, 0.3, 0.2}, p_bar, tight());
+        BarycenterSettings s;
+        for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+            s.tolerance = tolerance;
+            check_same(implicit(kernel, bodies(), {0.5, 0.3, 0.2}, p_bar, s), exact, 30 * tolerance);
+        }
+    }
+}
+
 // Supports at opposite ends, where only the logarithmic form exists: moving weight moves the body.
 void test_far_apart() {
     const Cells line{90, 3, 3};
@@ -218,7 +234,8 @@ void test_far_apart() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_against_unrolled), TEST(test_differences_inside), TEST(test_differences_at_the_boundary),
-        TEST(test_properties),       TEST(test_threads_and_limits), TEST(test_far_apart),
+        TEST(test_properties),       TEST(test_threads_and_limits), TEST(test_error_follows_tolerance),
+        TEST(test_far_apart),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
