@@ -146,6 +146,14 @@ private:
         if (settings_.monitor) settings_.monitor(counter_.all(), error_);
     }
 
+    // v = p / d, where d is floored, is no larger; beyond that it would overflow.
+    void limit(std::vector<double>& x) const {
+        parallel_chunks(transport_.threads(), static_cast<int>(x.size()), 1 << 14, [&](int begin, int end) {
+            for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
+                x[k] = x[k] < -kLogFloor ? x[k] : -kLogFloor;
+        });
+    }
+
     std::vector<double> relative_p() const {
         std::vector<double> q(n_);
         for (std::size_t c = 0; c < n_; ++c) q[c] = std::exp(log_p_[c] - log_peak_);
@@ -155,13 +163,12 @@ private:
     // One iteration from x: w, d, p, f = T(x) - x and the marginal error.
     Outcome evaluate(std::vector<double>& x) {
         const bool linear = !transport_.logarithmic();
-        // v = p / d, where d is floored, is no larger; beyond that it would overflow.
-        if (linear)
-            for (double& value : x) value = std::min(value, -kLogFloor);
+        if (linear) limit(x);
         transport_.sweep(x.data(), kv_.data(), w_.data(), log_d_.data(), kFloor);
         constexpr int grain = 1024;
         const int chunks = (static_cast<int>(n_) + grain - 1) / grain;
         std::vector<double> peak(static_cast<std::size_t>(chunks)), part(static_cast<std::size_t>(chunks) * m_);
+        std::vector<double> at_floor(peak.size(), -std::numeric_limits<double>::infinity());  // largest log p there
         parallel_chunks(transport_.threads(), static_cast<int>(n_), grain, [&](int begin, int end) {
             const std::size_t first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
             double* log_p = log_p_.data() + first;
@@ -173,13 +180,18 @@ private:
             double largest = -std::numeric_limits<double>::infinity(), sum[grain];
             for (std::size_t c = 0; c < count; ++c) largest = log_p[c] > largest ? log_p[c] : largest;
             peak[first / grain] = largest;
+            double& floored = at_floor[first / grain];
             for (std::size_t i = 0; i < m_; ++i) {
                 const std::size_t at = i * n_ + first;
+                double lowest = 0.0;
                 for (std::size_t c = 0; c < count; ++c) {
                     sum[c] = x[at + c] + log_d_[at + c];
                     f_[at + c] = log_p[c] - sum[c];
+                    lowest = log_d_[at + c] < lowest ? log_d_[at + c] : lowest;
                 }
                 kernels_.exp(sum, sum, end - begin);
+                for (std::size_t c = 0; lowest <= kLogFloor && c < count; ++c)
+                    if (log_d_[at + c] <= kLogFloor) floored = std::max(floored, log_p[c]);
                 double e = 0.0;
                 for (std::size_t c = 0; c < count; ++c) e += std::fabs(sum[c] - p_[first + c]);
                 part[first / grain * m_ + i] = e;
@@ -197,11 +209,8 @@ private:
         // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
         if (linear && (!finite || !(std::exp(log_peak_) > 0))) return Outcome::underflow;
         if (!finite) return Outcome::not_finite;
-        if (linear)
-            for (std::size_t i = 0; i < m_; ++i)
-                for (std::size_t c = 0; c < n_; ++c)
-                    if (log_d_[i * n_ + c] <= kLogFloor && log_p_[c] > log_peak_ + kLogNegligible)
-                        return Outcome::underflow;
+        const double floored = *std::max_element(at_floor.begin(), at_floor.end());
+        if (linear && floored > log_peak_ + kLogNegligible) return Outcome::underflow;
         return Outcome::fine;
     }
 
@@ -211,8 +220,7 @@ private:
         // J at v = p / d with the w of this d is self-adjoint under p.
         std::vector<double> y(x), kv(m_ * n_), w(m_ * n_), log_d(m_ * n_);
         for (std::size_t k = 0; k < y.size(); ++k) y[k] += f_[k];
-        if (!transport_.logarithmic())
-            for (double& value : y) value = std::min(value, -kLogFloor);
+        if (!transport_.logarithmic()) limit(y);
         transport_.sweep(y.data(), kv.data(), w.data(), log_d.data(), kFloor);
         tick(counter_.iterations);
         const Jacobian jacobian(transport_, y.data(), kv.data(), w_.data(), log_d_.data());

@@ -99,10 +99,7 @@ CoarseCorrection::CoarseCorrection(const std::array<int, 3>& cells, double sigma
     if (factor_.info() != Eigen::Success) unknowns_ = 0;  // conjugate gradients go on without
 }
 
-void CoarseCorrection::apply(const double* r, double* z) const {
-    const std::size_t n = p_.size();
-    std::copy(r, r + n, z);
-    if (unknowns_ == 0) return;
+double CoarseCorrection::apply(const double* r, double* z) const {
     const int ny = cells_[1], nz = cells_[2], across = nodes_[2];
     std::vector<double> nodal(number_.size(), 0.0), line(static_cast<std::size_t>(across) + 1);
     // f(row, first of four lines of nodes, their shares), row by row along z.
@@ -121,6 +118,7 @@ void CoarseCorrection::apply(const double* r, double* z) const {
             }
     };
     const Line* along = lines_[2].data();
+    double product = 0.0;
     for_rows([&](std::size_t row, const std::array<double*, 4>& to, const std::array<double, 4>& share) {
         std::fill(line.begin(), line.end(), 0.0);
         for (int l = 0; l < nz; ++l) {
@@ -134,7 +132,7 @@ void CoarseCorrection::apply(const double* r, double* z) const {
     Eigen::VectorXd b(unknowns_);
     for (std::size_t k = 0; k < number_.size(); ++k)
         if (number_[k] >= 0) b[number_[k]] = nodal[k];
-    const Eigen::VectorXd y = factor_.solve(b);
+    const Eigen::VectorXd y = unknowns_ > 0 ? Eigen::VectorXd(factor_.solve(b)) : b;
     for (std::size_t k = 0; k < number_.size(); ++k) nodal[k] = number_[k] >= 0 ? y[number_[k]] : 0.0;
     for_rows([&](std::size_t row, const std::array<double*, 4>& from, const std::array<double, 4>& share) {
         for (int l = 0; l < across; ++l)
@@ -142,9 +140,12 @@ void CoarseCorrection::apply(const double* r, double* z) const {
                 (share[0] * from[0][l] + share[1] * from[1][l]) + (share[2] * from[2][l] + share[3] * from[3][l]);
         for (int l = 0; l < nz; ++l) {
             const double* at = line.data() + along[l].low;
-            z[row + static_cast<std::size_t>(l)] += (1 - along[l].high_share) * at[0] + along[l].high_share * at[1];
+            const std::size_t c = row + static_cast<std::size_t>(l);
+            z[c] = r[c] + ((1 - along[l].high_share) * at[0] + along[l].high_share * at[1]);
+            product += p_[c] * r[c] * z[c];
         }
     });
+    return product;
 }
 
 }  // namespace dqa

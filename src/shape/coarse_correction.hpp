@@ -19,8 +19,8 @@ public:
     // p [n], relative to its peak.
     CoarseCorrection(const std::array<int, 3>& cells, double sigma, const std::vector<double>& p);
 
-    // z = r + C A^-1 C^T (p r); r, z [n].
-    void apply(const double* r, double* z) const;
+    // z = r + C A^-1 C^T (p r); r, z [n]. Returns sum p r z.
+    double apply(const double* r, double* z) const;
 
 private:
     struct Line {

@@ -42,9 +42,8 @@ void Tangent::solve(std::vector<double>& y, std::vector<double>& r, double targe
                     const std::function<void(double)>& tick) const {
     const std::size_t n = p_.size();
     std::vector<double> d(size()), ld(size()), m(size());
-    precondition(r, m);
+    double rm = precondition(r, m), rr = product(r, r), best = rr;
     d = m;
-    double rr = product(r, r), rm = product(r, m), best = rr;
     for (int iteration = 1, stalled = 0; rr > target && stalled < kPatience; ++iteration) {
         laplacian(d, ld);
         const double curvature = product(d, ld);  // d is in the subspace: P makes no difference
@@ -62,8 +61,7 @@ void Tangent::solve(std::vector<double>& y, std::vector<double>& r, double targe
         };
         rr = over_cells(advance);
         if (iteration % kRefresh == 0) project(r), rr = product(r, r);  // rounding leads out of the subspace
-        precondition(r, m);
-        const double next = product(r, m), beta = next / rm;
+        const double next = precondition(r, m), beta = next / rm;
         over_cells([&](std::size_t begin, std::size_t end) {
             for (std::size_t k = 0; k < which_.size(); ++k)
                 for (std::size_t at = k * n + begin; at < k * n + end; ++at) d[at] = m[at] + beta * d[at];
@@ -76,11 +74,11 @@ void Tangent::solve(std::vector<double>& y, std::vector<double>& r, double targe
     }
 }
 
-void Tangent::precondition(const std::vector<double>& r, std::vector<double>& z) const {
+double Tangent::precondition(const std::vector<double>& r, std::vector<double>& z) const {
     const std::size_t n = p_.size();
-    parallel_chunks(threads_, static_cast<int>(which_.size()), 1, [&](int begin, int end) {
-        for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-            correction_.apply(r.data() + k * n, z.data() + k * n);
+    return parallel_sum(threads_, static_cast<int>(which_.size()), 1, [&](int begin, int) {
+        const std::size_t k = static_cast<std::size_t>(begin);
+        return weights_[k] * correction_.apply(r.data() + k * n, z.data() + k * n);
     });
 }
 

@@ -34,6 +34,7 @@ public:
     // Removes the constant part of every base under p.
     void centre(std::vector<double>& z) const;
 
+    // P z, each base centred.
     void project(std::vector<double>& z) const;
 
     // sum_k weight_k z_k [n]
@@ -48,7 +49,8 @@ public:
     void solve(std::vector<double>& y, std::vector<double>& r, double target,
                const std::function<void(double)>& tick) const;
 
-    void precondition(const std::vector<double>& r, std::vector<double>& z) const;
+    // z from r; returns <r, z>.
+    double precondition(const std::vector<double>& r, std::vector<double>& z) const;
 
 private:
     static constexpr int kGrain = 1024, kRefresh = 10, kPatience = 200;

@@ -19,7 +19,8 @@ Transport::Transport(const GaussianKernel& kernel, const Densities& bases, bool 
       logarithmic_(logarithmic),
       threads_(threads),
       n_(static_cast<std::size_t>(kernel.size())),
-      kernels_(barycenter_kernels(InstructionSet::automatic)) {
+      kernels_(barycenter_kernels(InstructionSet::automatic)),
+      planes_(std::make_unique_for_overwrite<double[]>((threads.count > 1 ? bases.size() : 1) * n_)) {
     const auto [nx, ny, nz] = kernel.cells();
     for (const std::vector<double>& p : bases) {
         std::vector<int> rows(2 * static_cast<std::size_t>(nx), 0);
@@ -55,14 +56,13 @@ void Transport::run(std::size_t count, Forward&& forward, Slab&& slab, Backward&
     const int plane = ny * nz, blocks = (plane + kColumnBlock - 1) / kColumnBlock;
     const std::size_t scratch_size = static_cast<std::size_t>(std::max(2 * nx * kColumnBlock, 3 * ny * padded_z(nz)));
     const std::size_t together = threads_.count > 1 ? count : 1;
-    std::vector<double> a(together * n_);
     for (std::size_t k0 = 0; k0 < count; k0 += together) {
         const auto pass = [&](int pieces, auto&& f) {
             parallel_chunks(threads_, static_cast<int>(together) * pieces, 1, [&](int begin, int end) {
                 const auto scratch = std::make_unique_for_overwrite<double[]>(scratch_size);
                 for (int piece = begin; piece < end; ++piece) {
                     const std::size_t k = static_cast<std::size_t>(piece / pieces);
-                    f(k0 + k, a.data() + k * n_, piece % pieces, scratch.get());
+                    f(k0 + k, planes_.get() + k * n_, piece % pieces, scratch.get());
                 }
             });
         };
@@ -131,9 +131,17 @@ Jacobian::Jacobian(const Transport& transport, const double* x, const double* kv
         for (int k = 0; k < count; ++k) minus[k] = -log_d[begin + k];
         t_.kernels_.exp(minus, inv_d_.data() + begin, count);
     });
-    for (std::size_t i = 0; i < t_.bases(); ++i)
-        for (std::size_t c = 0; c < n; ++c)
-            if (t_.covers(i, c)) w_[i * n + c] = w[i * n + c], ratio_[i * n + c] = 1.0 / kv[i * n + c];
+    const auto [nx, ny, nz] = t_.kernel_.cells();
+    parallel_chunks(t_.threads_, static_cast<int>(t_.bases()) * nx, 1, [&](int begin, int end) {
+        for (int slab = begin; slab < end; ++slab) {
+            const std::size_t i = static_cast<std::size_t>(slab / nx), s = static_cast<std::size_t>(slab % nx);
+            const std::size_t at = static_cast<std::size_t>(slab) * static_cast<std::size_t>(ny * nz);
+            const int* rows = t_.rows_[i].data() + 2 * s;
+            for (std::size_t k = at + static_cast<std::size_t>(rows[0] * nz);
+                 k < at + static_cast<std::size_t>(rows[1] * nz); ++k)
+                w_[k] = w[k], ratio_[k] = 1.0 / kv[k];
+        }
+    });
 }
 
 void Jacobian::laplacian(const std::vector<std::size_t>& which, const double* in, double* out) const {

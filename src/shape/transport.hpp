@@ -4,6 +4,7 @@
 // threads by bases, columns and slabs, and its results do not depend on how.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "grid/parallel.hpp"
@@ -43,6 +44,7 @@ private:
     const BarycenterKernels& kernels_;
     std::vector<std::vector<int>> rows_;  // [m][nx][2]
     std::vector<Cover> covers_;
+    std::unique_ptr<double[]> planes_;  // between the passes of one call; calls do not overlap
 };
 
 // J_i = diag(1/d) K diag(w / (K v)) K diag(v), a stochastic matrix: positive semi-definite and self-adjoint under the
