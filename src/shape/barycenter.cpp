@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "grid/error.hpp"
 #include "grid/log.hpp"
@@ -18,6 +19,7 @@ constexpr double kFloor = 1e-290;  // of K w in the linear form
 const double kLogFloor = std::log(kFloor);
 constexpr int kWidest = 4;                      // width of the first kernel over sigma; halved until it is 1
 constexpr double kStartTolerance = 0.03;        // marginal error at which a wider kernel has done its work
+constexpr double kSettled = 0.05;               // marginal error below which the coarse correction is kept
 constexpr int kStartIterations = 400;           // and its most iterations
 const double kLogNegligible = std::log(1e-30);  // of the peak of p: a floored cell may carry no more than this
 
@@ -227,11 +229,15 @@ private:
         // As accurate as the next error is going to be, and no better than what is asked for.
         const double accuracy = std::max(error_ < 1e-2 ? error_ : 0.1, 0.1 * tolerance / error_);
         const std::vector<double> q = relative_p();
-        const CoarseCorrection correction(transport_.kernel().cells(), transport_.kernel().sigma(), q);
+        // Built anew while p still moves, then only told the new weights: that costs no iteration.
+        if (!correction_ || error_built_ > kSettled)
+            correction_.emplace(transport_.kernel().cells(), transport_.kernel().sigma(), q), error_built_ = error_;
+        else
+            correction_->reweight(q);
         std::vector<double> moved(n_, 0.0);  // what log p changes by beyond f
         const auto correct = [&](const std::vector<std::size_t>& which, const std::vector<double>& weights,
                                  bool joint) {
-            const Tangent tangent(jacobian, transport_.threads(), which, weights, q, joint, correction);
+            const Tangent tangent(jacobian, transport_.threads(), which, weights, q, joint, *correction_);
             std::vector<double> b = gathered(f_, which, n_);
             for (std::size_t k = 0; !joint && k < b.size(); ++k) b[k] += moved[k % n_];
             tangent.project(b);
@@ -275,6 +281,8 @@ private:
     const BarycenterKernels& kernels_;
     Counter& counter_;
     std::vector<double> kv_, w_, log_d_, f_, log_p_, p_;
+    std::optional<CoarseCorrection> correction_;
+    double error_built_ = 0.0;
     double log_peak_ = 0.0, error_ = std::numeric_limits<double>::infinity();
 };
 

@@ -19,6 +19,9 @@ public:
     // p [n], relative to its peak.
     CoarseCorrection(const std::array<int, 3>& cells, double sigma, const std::vector<double>& p);
 
+    // The weight p of the product, from now on; A stays that of the p it was built for.
+    void reweight(const std::vector<double>& p) { p_ = p; }
+
     // z = r + C A^-1 C^T (p r); r, z [n]. Returns sum p r z.
     double apply(const double* r, double* z) const;
 
