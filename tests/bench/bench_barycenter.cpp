@@ -155,7 +155,7 @@ void measure(const Options& o, int count, double sigma, std::FILE* csv) {
     };
     s.threads = o.threads;
     for (const Method& method :
-         {Method{"newton", 15, false, 1e-11}, Method{"logarithmic", 15, true, count == 2 ? 1e-9 : 1},
+         {Method{"newton", 15, false, 1e-11}, Method{"logarithmic", 15, true, count > 2 ? 1 : (o.quick ? 1e-9 : 1e-3)},
           Method{"plain", 0, false, count == 2 ? 1e-7 : 1e-4}})
         for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9, 1e-11}) {
             if (tolerance < method.tightest) continue;
