@@ -17,11 +17,13 @@ namespace {
 
 constexpr double kFloor = 1e-290;  // of K w in the linear form
 const double kLogFloor = std::log(kFloor);
-constexpr int kWidest = 4;                      // width of the first kernel over sigma; halved until it is 1
-constexpr double kStartTolerance = 0.03;        // marginal error at which a wider kernel has done its work
-constexpr double kSettled = 0.05;               // marginal error below which the coarse correction is kept
-constexpr int kStartIterations = 400;           // and its most iterations
-const double kLogNegligible = std::log(1e-30);  // of the peak of p: a floored cell may carry no more than this
+constexpr int kWider = 4;                 // wider kernels to start from, each 1 / sqrt 2 of the one before
+constexpr double kStartTolerance = 0.03;  // marginal error at which a wider kernel has done its work
+constexpr double kSettled = 0.05;         // marginal error below which the coarse correction is kept
+constexpr int kStartIterations = 400;     // and its most iterations
+// Share of p that cells with a floored d may carry in all: below the rounding of p's sum. The floor makes p larger, so
+// that the true share is smaller still.
+constexpr double kNegligible = 1e-17;
 
 struct Parts {
     std::vector<std::size_t> active, idle;  // alpha_i > 0, = 0
@@ -87,12 +89,14 @@ public:
         bool newton = false;
         while (counter_.all() < last) {
             const Outcome outcome = evaluate(x);
-            if (outcome == Outcome::underflow) return false;
+            // Where a step of Newton's went too far, the form of the kernel is not to blame.
+            const bool stray = newton && outcome != Outcome::fine;
+            if (outcome == Outcome::underflow && !stray) return false;
             tick(counter_.iterations);
-            if (outcome == Outcome::not_finite) {
+            if (outcome != Outcome::fine) {
                 if (best_x.empty()) fail(Status::NOT_CONVERGED, "barycentre: the iteration became non-finite at once");
                 x = best_x, best = infinity, anderson.restart(), newton = false;
-                relief = next_relief, plain = 5, next_relief *= 2;
+                relief = next_relief, plain = stray ? 3 : 5, next_relief *= 2;
                 continue;
             }
             if (error_ <= tolerance) return true;
@@ -170,7 +174,7 @@ private:
         constexpr int grain = 1024;
         const int chunks = (static_cast<int>(n_) + grain - 1) / grain;
         std::vector<double> peak(static_cast<std::size_t>(chunks)), part(static_cast<std::size_t>(chunks) * m_);
-        std::vector<double> at_floor(peak.size(), -std::numeric_limits<double>::infinity());  // largest log p there
+        std::vector<double> at_floor(peak.size(), 0.0);  // what p has in cells with a floored d
         parallel_chunks(transport_.threads(), static_cast<int>(n_), grain, [&](int begin, int end) {
             const std::size_t first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
             double* log_p = log_p_.data() + first;
@@ -193,7 +197,7 @@ private:
                 }
                 kernels_.exp(sum, sum, end - begin);
                 for (std::size_t c = 0; lowest <= kLogFloor && c < count; ++c)
-                    if (log_d_[at + c] <= kLogFloor) floored = std::max(floored, log_p[c]);
+                    if (log_d_[at + c] <= kLogFloor) floored += p_[first + c];
                 double e = 0.0;
                 for (std::size_t c = 0; c < count; ++c) e += std::fabs(sum[c] - p_[first + c]);
                 part[first / grain * m_ + i] = e;
@@ -211,8 +215,10 @@ private:
         // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
         if (linear && (!finite || !(std::exp(log_peak_) > 0))) return Outcome::underflow;
         if (!finite) return Outcome::not_finite;
-        const double floored = *std::max_element(at_floor.begin(), at_floor.end());
-        if (linear && floored > log_peak_ + kLogNegligible) return Outcome::underflow;
+        double floored = 0.0, mass = 0.0;
+        for (const double q : at_floor) floored += q;
+        for (const double q : p_) mass += q;
+        if (linear && floored > kNegligible * mass) return Outcome::underflow;
         return Outcome::fine;
     }
 
@@ -296,13 +302,14 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
         s.threads = threads;
         Counter counter;
         std::vector<double> x(bases.size() * static_cast<std::size_t>(kernel.size()), 0.0);
-        for (int widening = s.window > 0 ? kWidest : 1; widening > 1; widening /= 2) {
-            const GaussianKernel wide(kernel.cells(), widening * kernel.sigma());
+        const double narrowing = std::sqrt(0.5);
+        for (int level = s.window > 0 ? kWider : 0; level > 0; --level) {
+            const GaussianKernel wide(kernel.cells(), kernel.sigma() * std::pow(narrowing, -level));
             const std::vector<double> start = x;
             Solver solver(wide, bases, weights, s, s.force_log, counter);
             if (!solver.run(x, std::max(kStartTolerance, s.tolerance), kStartIterations)) x = start;
             if (counter.all() >= s.max_iterations) solver.not_converged();
-            for (double& value : x) value *= 4.0;  // sigma^2 x is kept
+            for (double& value : x) value *= 2.0;  // sigma^2 x is kept
         }
         const std::vector<double> start = x;
         for (const bool logarithmic : {false, true}) {

@@ -8,9 +8,9 @@
 //
 // T's derivative on the subspace sum_i alpha_i x_i = 0 is P J with J_i of transport.hpp and P the projection onto that
 // subspace, so that x - T(x) has a symmetric positive semi-definite derivative under the weight p: Newton's systems and
-// that of the pullback are the same and are solved by conjugate gradients. The start comes from wider kernels (4, 2
-// times sigma; entropic scaling, e.g. Schmitzer 2019), whose potentials sigma^2 x differ little from those of sigma.
-// Where a step does not bring the error down, Anderson's acceleration of the iteration takes over for a while.
+// that of the pullback are the same and are solved by conjugate gradients. The start comes from wider kernels, from
+// four times sigma down (entropic scaling, e.g. Schmitzer 2019), whose potentials sigma^2 x differ little from those of
+// sigma. Where a step does not bring the error down, Anderson's acceleration of the iteration takes over for a while.
 #pragma once
 
 #include <functional>
