@@ -8,7 +8,7 @@ namespace {
 
 using namespace fixtures;
 
-constexpr int kSteps = 3;
+constexpr int kSteps = 2;
 
 std::shared_ptr<const ShapeSpace> space() {
     return ellipsoid_space({14, 7, 6}, 0.06);

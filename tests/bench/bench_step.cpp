@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+// Time, iterations, memory and error of forward and backward steps.
+//
+//   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
+//              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
+//              [--integrators LIST] [--sweep tolerance|threshold] [--algebraic] [--discretisation] [--reference]
+//              [--oracle auto|direct|pcg] [--scaling]
+//
+// A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
+// step, medians over --repeat (least and largest are printed beside them), each configuration in a process of its own.
+// state_error and gradient_error are against newton_direct at 1e-12 on the full box (threshold 0): what solver and
+// threshold make of one discrete problem. A tag in the scene column names another exact answer:
+//   :same_cells  at 1e-12 on the row's own active cells, the solver's error alone (--algebraic, --sweep tolerance)
+//   :h/8         eight steps for one, cells and threshold as in the row (--discretisation)
+//   :dx/2        cells of half the size with the same blur in metres (--discretisation)
+// In boxes of more than 6000 cells, where factorising the Hessian takes minutes, the exact answer is newton_pcg's at
+// 1e-12 (--oracle direct insists): the two agree to 1e-9 on the eel.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <tuple>
+
+#include "support.hpp"
+
+namespace {
+
+using namespace bench;
+
+constexpr char kHeader[] =
+    "scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,backward_ms,"
+    "newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib";
+
+struct Settings {
+    std::string csv, data, oracle = "auto";
+    std::vector<std::string> scenes, methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"};
+    Vector thresholds{0.02, 0.0}, tolerances{1e-6}, threads{1.0};
+    std::array<int, 3> grid{};
+    int steps = 5, repeat = 5;
+    double budget = 20.0;
+    bool quick = false, algebraic = false, discretisation = false, reference = false, scaling = false;
+};
+
+bool small(const Scene& scene) {
+    return scene.grid[0] * scene.grid[1] * scene.grid[2] <= 6000;
+}
+
+// Adjoints want tighter solves than steps; the ratio is that of the defaults.
+Setup setup_of(const Settings& s, int method, int integrator, double threshold, double tolerance, int threads) {
+    Setup out;
+    out.method = method, out.integrator = integrator, out.threshold = threshold, out.threads = threads;
+    out.tolerance = tolerance, out.adjoint_tolerance = 1e-2 * tolerance;
+    out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget;
+    return out;
+}
+
+class Bench {
+public:
+    explicit Bench(const Settings& s) : s_(s), csv_(s.csv, kHeader) {}
+
+    void scene(const Scene& scene) {
+        exact_.clear();
+        for (std::size_t i = 0; i < s_.integrators.size(); ++i)
+            for (const double threshold : s_.thresholds)
+                for (const std::string& method : s_.methods)
+                    for (const double tolerance : s_.tolerances)
+                        for (const double threads : s_.threads)
+                            library(scene, method, s_.integrators[i], threshold, tolerance, static_cast<int>(threads));
+        if (!s_.reference && !(s_.quick && scene.name == "eel")) return;
+        const Vector tolerances = s_.tolerances.size() > 1 ? s_.tolerances : Vector{1e-1, 1e-6};
+        for (const double tolerance : tolerances) {
+            if (tolerance < 1e-6) continue;  // minutes, and nobody waits for them
+            Setup setup = setup_of(s_, kReferenceMethod, 0, 0.0, tolerance, 1);
+            setup.repeat = s_.quick ? 1 : s_.repeat;
+            if (const auto got = measure(scene, setup)) report(scene, "", setup, *got, *exact(scene, 0.0, 0));
+        }
+    }
+
+    // Set-up, step and memory over the grid, for the same animals; errors are those of the solver.
+    void scaling(const std::string& name) {
+        static constexpr int kGrids[][3] = {{24, 8, 12},  {36, 10, 16}, {48, 13, 21},
+                                            {60, 16, 26}, {84, 23, 37}, {120, 32, 52}};
+        Vector cells, forward, backward, setup_ms, peak;
+        for (const auto& g : kGrids) {
+            if (s_.quick && g[0] > 48) break;
+            const auto scene = open_scene(name, s_.data, {g[0], g[1], g[2]});
+            if (!scene) return;
+            exact_.clear();
+            for (const double threads : s_.threads) {
+                Setup setup = setup_of(s_, 0, 0, s_.thresholds.front(), 1e-6, static_cast<int>(threads));
+                const auto got = measure(*scene, setup);
+                const Outcome* truth = got ? exact(*scene, setup.threshold, 0, 1e-10) : nullptr;
+                if (!truth) continue;
+                report(*scene, ":same_cells", setup, *got, *truth);
+                if (threads != s_.threads.front()) continue;
+                cells.push_back(got->active_cells), setup_ms.push_back(got->setup_ms), peak.push_back(got->peak_mib);
+                forward.push_back(spread_of(got->forward).median), backward.push_back(spread_of(got->backward).median);
+            }
+        }
+        const auto exponent = [&](const Vector& y) {  // least squares in logarithms
+            double sx = 0, sy = 0, sxx = 0, sxy = 0;
+            const double n = static_cast<double>(cells.size());
+            for (std::size_t k = 0; k < cells.size(); ++k) {
+                const double x = std::log(cells[k]), z = std::log(y[k]);
+                sx += x, sy += z, sxx += x * x, sxy += x * z;
+            }
+            return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+        };
+        if (cells.size() > 1)
+            std::printf(
+                "time and memory grow with active cells to the power: set-up %.2f, forward %.2f, backward "
+                "%.2f, peak %.2f\n",
+                exponent(setup_ms), exponent(forward), exponent(backward), exponent(peak));
+    }
+
+    int failures() const { return failures_; }
+
+private:
+    std::optional<Outcome> measure(const Scene& scene, const Setup& setup) {
+        try {
+            return run(scene, setup);
+        } catch (const std::runtime_error& e) {
+            std::printf("%-12s %-13s tolerance %.0e threshold %g: %s\n", scene.name.c_str(), kMethods[setup.method],
+                        setup.tolerance, setup.threshold, e.what());
+            ++failures_;
+            return std::nullopt;
+        }
+    }
+
+    // The exact answer of a threshold, computed once; null where it failed.
+    const Outcome* exact(const Scene& scene, double threshold, int integrator, double tolerance = 1e-12) {
+        const auto key = std::tuple(scene.file, threshold, integrator);
+        const auto found = exact_.find(key);
+        if (found != exact_.end()) return found->second ? &*found->second : nullptr;
+        const bool direct = s_.oracle == "direct" || (s_.oracle == "auto" && small(scene) && tolerance <= 1e-12);
+        Setup setup = setup_of(s_, direct ? 1 : 0, integrator, threshold, tolerance, 1);
+        setup.adjoint_tolerance = tolerance, setup.repeat = 1;
+        const double start = milliseconds();
+        auto& entry = exact_[key] = measure(scene, setup);
+        if (entry)
+            std::printf("%-12s exact answer by %s at %.0e, threshold %g: %.0f cells, %.1f s\n", scene.name.c_str(),
+                        kMethods[setup.method], tolerance, threshold, entry->active_cells,
+                        1e-3 * (milliseconds() - start));
+        std::fflush(stdout);
+        return entry ? &*entry : nullptr;
+    }
+
+    void library(const Scene& scene, const std::string& name, const std::string& integrator, double threshold,
+                 double tolerance, int threads) {
+        int method = 0;
+        while (name != kMethods[method]) ++method;
+        if (method == 1 && !small(scene) && s_.oracle != "direct") return;
+        const int form = integrator == kIntegrators[1];
+        const Setup setup = setup_of(s_, method, form, threshold, tolerance, threads);
+        const auto got = measure(scene, setup);
+        if (!got) return;
+        if (const Outcome* truth = exact(scene, 0.0, form)) report(scene, "", setup, *got, *truth);
+        if (s_.algebraic && threshold > 0)
+            if (const Outcome* truth = exact(scene, threshold, form)) report(scene, ":same_cells", setup, *got, *truth);
+        if (!s_.discretisation || method != 0 || threads != 1) return;
+        Setup fine = setup;
+        fine.time_step /= 8.0, fine.steps *= 8, fine.repeat = 1, fine.tolerance = fine.adjoint_tolerance = 1e-8;
+        if (const auto truth = measure(scene, fine)) report(scene, ":h/8", setup, *got, *truth, 1, Actuations::summed);
+        fine.time_step = setup.time_step, fine.steps = setup.steps;
+        if (const auto half = open_scene(scene.name, s_.data, scene.grid, 2))
+            if (const auto truth = measure(*half, fine))
+                report(scene, ":dx/2", setup, *got, *truth, 2, Actuations::summed);
+    }
+
+    void report(const Scene& scene, const char* tag, const Setup& setup, const Outcome& o, const Outcome& exact,
+                int fine = 1, Actuations actuations = Actuations::each) {
+        const double steps = setup.steps;
+        const Spread forward = spread_of(o.forward), backward = spread_of(o.backward);
+        const double state = state_error(o, exact, scene, fine);
+        const double gradient = gradient_error(o, exact, actuations);
+        const bool iterative = setup.method == 0 || setup.method == 2;
+        std::printf(
+            "%-12s%-12s %-13s %-5s %.0e tau %-5g %d thr %6.0f cells: set-up %6.0f ms, forward %8.2f ms [%.2f, %.2f], "
+            "backward %8.2f ms [%.2f, %.2f], iterations %.1f %.0f %.0f, residual %.1e, error %.1e %.1e, %.0f MiB\n",
+            scene.name.c_str(), tag, kMethods[setup.method], kIntegrators[setup.integrator], setup.tolerance,
+            setup.threshold, setup.threads, o.active_cells, o.setup_ms, forward.median / steps, forward.least / steps,
+            forward.largest / steps, backward.median / steps, backward.least / steps, backward.largest / steps,
+            o.newton, o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
+        std::fflush(stdout);
+        csv_.row("%s%s,%s,%.0f,%g,%s,%s,%s,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f\n",
+                 scene.name.c_str(), tag, scene.grid_text().c_str(), o.active_cells, setup.threshold,
+                 kMethods[setup.method], kIntegrators[setup.integrator], iterative ? "single" : "double",
+                 setup.tolerance, setup.threads, o.setup_ms, forward.median / steps, backward.median / steps, o.newton,
+                 o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
+    }
+
+    const Settings& s_;
+    Csv csv_;
+    std::map<std::tuple<std::string, double, int>, std::optional<Outcome>> exact_;
+    int failures_ = 0;
+};
+
+void require_known(const std::vector<std::string>& given, const char* const* known, std::size_t n, const char* what) {
+    for (const std::string& name : given) {
+        bool found = false;
+        for (std::size_t k = 0; k < n; ++k) found = found || name == known[k];
+        if (!found) throw UsageError("there is no " + std::string(what) + " '" + name + "'");
+    }
+}
+
+Settings parse(int argc, char** argv) {
+    Settings s;
+    if (const char* folder = std::getenv("DQA_TEST_DATA")) s.data = folder;
+    for (int k = 1; k < argc; ++k) {
+        const std::string name = argv[k];
+        const auto value = [&]() -> std::string {
+            if (k + 1 >= argc) throw UsageError(name + " needs a value");
+            return argv[++k];
+        };
+        const auto count = [&] {
+            const Vector v = numbers(value(), name.c_str());
+            if (v.size() != 1 || v[0] < 1 || v[0] > 1000 || v[0] != std::floor(v[0]))
+                throw UsageError(name + " takes a whole number in [1, 1000]");
+            return static_cast<int>(v[0]);
+        };
+        if (name == "--csv") {
+            s.csv = value();
+        } else if (name == "--threads") {
+            s.threads = numbers(value(), "--threads");
+        } else if (name == "--quick") {
+            s.quick = true, s.steps = 3, s.repeat = 3;
+        } else if (name == "--scenes") {
+            s.scenes = split(value());
+        } else if (name == "--grid") {
+            s.grid = grid_of(value());
+        } else if (name == "--data") {
+            s.data = value();
+        } else if (name == "--steps") {
+            s.steps = count();
+        } else if (name == "--repeat") {
+            s.repeat = count();
+        } else if (name == "--budget") {
+            s.budget = numbers(value(), "--budget")[0];
+        } else if (name == "--methods") {
+            s.methods = split(value());
+            require_known(s.methods, kMethods, 3, "method");
+        } else if (name == "--threshold") {
+            s.thresholds = numbers(value(), "--threshold");
+        } else if (name == "--tolerance") {
+            s.tolerances = numbers(value(), "--tolerance");
+        } else if (name == "--integrators") {
+            s.integrators = split(value());
+            require_known(s.integrators, kIntegrators, 2, "integrator");
+        } else if (name == "--sweep") {
+            const std::string what = value();
+            if (what == "tolerance")
+                s.tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}, s.algebraic = true;
+            else if (what == "threshold")
+                s.thresholds = {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.0};
+            else
+                throw UsageError("--sweep takes tolerance or threshold");
+        } else if (name == "--algebraic") {
+            s.algebraic = true;
+        } else if (name == "--discretisation") {
+            s.discretisation = true;
+        } else if (name == "--reference") {
+            s.reference = true;
+        } else if (name == "--oracle") {
+            s.oracle = value();
+        } else if (name == "--scaling") {
+            s.scaling = true;
+        } else {
+            throw UsageError("unknown option " + name);
+        }
+    }
+    if (s.oracle != "auto" && s.oracle != "direct" && s.oracle != "pcg")
+        throw UsageError("--oracle takes auto, direct or pcg");
+    if (s.scenes.empty())
+        s.scenes = s.quick || s.scaling ? std::vector<std::string>{s.scaling ? "shipped" : "eel"}
+                                        : std::vector<std::string>{"eel", "shipped", "orca_shark", "three"};
+    return s;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const Settings s = parse(argc, argv);
+        Bench bench(s);
+        for (const std::string& name : s.scenes) {
+            if (s.scaling) {
+                bench.scaling(name);
+            } else if (const auto scene = open_scene(name, s.data, s.grid)) {
+                bench.scene(*scene);
+            }
+        }
+        if (bench.failures() > 0) std::printf("%d configurations failed\n", bench.failures());
+        return 0;
+    } catch (const bench::UsageError& e) {
+        std::fprintf(stderr, "bench_step: %s; the first lines of bench_step.cpp list the options\n", e.what());
+        return 2;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "bench_step: %s\n", e.what());
+        return 1;
+    }
+}
