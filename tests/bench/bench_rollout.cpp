@@ -8,8 +8,9 @@
 // the first given), the methods, the threads and the budgets of the tape (none, 64 and 8 MiB) take their turns.
 // loss_error and gradient_error are against BDF2 with an eighth of the shortest time step, at a tolerance of 1e-8 on
 // the same cells: what time step and solver make of one body. The loss is the distance travelled (m), its error
-// relative to the larger of the loss and a tenth of the body's mean displacement; the gradient is that by weights.
-// Times are of the whole rollout, medians over --repeat. checkpoint_mib 0: a tape without limit.
+// relative to the larger of the loss and a tenth of the body's mean displacement; the gradient is by weights and by the
+// amplitude of the sine. Times are of the whole rollout and of its whole gradient, medians over --repeat.
+// checkpoint_mib 0: a tape without limit.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -107,10 +108,12 @@ private:
     void row(const Scene& scene, const Setup& setup, const Outcome& exact) {
         const auto got = measure(scene, setup);
         if (!got) return;
-        const Spread forward = spread_of(got->forward), backward = spread_of(got->backward);
+        Vector sweep(got->backward);
+        for (std::size_t k = 0; k < sweep.size() && k < got->pullback.size(); ++k) sweep[k] += got->pullback[k];
+        const Spread forward = spread_of(got->forward), backward = spread_of(sweep);
         const double loss_error =
             std::fabs(got->loss - exact.loss) / std::max(std::fabs(exact.loss), 0.1 * mean_displacement(exact));
-        const double gradient = gradient_error(*got, exact, Actuations::summed);
+        const double gradient = gradient_error(*got, exact, Actuations::amplitudes);
         const double checkpoint = setup.checkpoint / 1048576.0;
         std::printf(
             "%-12s %6.0f cells %-13s %-5s %4d steps of %.4f s, %d threads, checkpoints %2.0f MiB (tape %.1f): "

@@ -161,11 +161,12 @@ private:
         if (!s_.discretisation || method != 0 || threads != 1) return;
         Setup fine = setup;
         fine.time_step /= 8.0, fine.steps *= 8, fine.repeat = 1, fine.tolerance = fine.adjoint_tolerance = 1e-8;
-        if (const auto truth = measure(scene, fine)) report(scene, ":h/8", setup, *got, *truth, 1, Actuations::summed);
+        if (const auto truth = measure(scene, fine))
+            report(scene, ":h/8", setup, *got, *truth, 1, Actuations::amplitudes);
         fine.time_step = setup.time_step, fine.steps = setup.steps;
         if (const auto half = open_scene(scene.name, s_.data, scene.grid, 2))
             if (const auto truth = measure(*half, fine))
-                report(scene, ":dx/2", setup, *got, *truth, 2, Actuations::summed);
+                report(scene, ":dx/2", setup, *got, *truth, 2, Actuations::amplitudes);
     }
 
     void report(const Scene& scene, const char* tag, const Setup& setup, const Outcome& o, const Outcome& exact,
@@ -177,11 +178,12 @@ private:
         const bool iterative = setup.method == 0 || setup.method == 2;
         std::printf(
             "%-12s%-12s %-13s %-5s %.0e tau %-5g %d thr %6.0f cells: set-up %6.0f ms, forward %8.2f ms [%.2f, %.2f], "
-            "backward %8.2f ms [%.2f, %.2f], iterations %.1f %.0f %.0f, residual %.1e, error %.1e %.1e, %.0f MiB\n",
+            "backward %8.2f ms [%.2f, %.2f], pullback %.0f ms, iterations %.1f %.0f %.0f, residual %.1e, error %.1e "
+            "%.1e, %.0f MiB\n",
             scene.name.c_str(), tag, kMethods[setup.method], kIntegrators[setup.integrator], setup.tolerance,
             setup.threshold, setup.threads, o.active_cells, o.setup_ms, forward.median / steps, forward.least / steps,
             forward.largest / steps, backward.median / steps, backward.least / steps, backward.largest / steps,
-            o.newton, o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
+            spread_of(o.pullback).median, o.newton, o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
         std::fflush(stdout);
         csv_.row("%s%s,%s,%.0f,%g,%s,%s,%s,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f\n",
                  scene.name.c_str(), tag, scene.grid_text().c_str(), o.active_cells, setup.threshold,

@@ -102,6 +102,14 @@ void add_rays(dqa_shape_space* space) {
     }
 }
 
+Vector by_amplitude(const Vector& actuation_bar, std::size_t signals, double time_step) {
+    Vector out(signals, 0.0);
+    for (std::size_t k = 0; k < actuation_bar.size(); ++k)
+        out[k % signals] += actuation_bar[k] *
+                            actuation(static_cast<double>(k / signals + 1) * time_step, static_cast<int>(k % signals));
+    return out;
+}
+
 Outcome run_library(const Scene& scene, const Setup& s) {
     Outcome out;
     Space space;
@@ -154,9 +162,11 @@ Outcome run_library(const Scene& scene, const Setup& s) {
         check(dqa_adjoint_seed_objective(adjoint.p, &travel, 1), "seed");
         at = milliseconds();
         check(dqa_adjoint_backward(adjoint.p, 0, nullptr, nullptr), "backward");
+        out.backward.push_back(milliseconds() - at);
+        at = milliseconds();
         out.weights_bar.resize(weights.size());
         check(dqa_adjoint_get(adjoint.p, DQA_WRT_WEIGHTS, out.weights_bar.data(), scene.n_bases), "gradient");
-        out.backward.push_back(milliseconds() - at);
+        out.pullback.push_back(milliseconds() - at);
         out.actuation_bar.resize(static_cast<std::size_t>(s.steps * shape.n_signals));
         check(dqa_adjoint_get(adjoint.p, DQA_WRT_ACTUATION, out.actuation_bar.data(), s.steps * shape.n_signals),
               "gradient");
@@ -169,8 +179,9 @@ Outcome run_library(const Scene& scene, const Setup& s) {
         out.residual = stats.worst_residual;
         out.tape_mib = static_cast<double>(stats.bytes) / 1048576.0;
     }
-    out.active_cells = static_cast<double>(info.n_active_cells), out.signals = shape.n_signals;
+    out.active_cells = static_cast<double>(info.n_active_cells);
     out.setup_ms = 1e3 * info.setup_seconds;
+    out.amplitude_bar = by_amplitude(out.actuation_bar, static_cast<std::size_t>(shape.n_signals), s.time_step);
     return out;
 }
 
@@ -223,11 +234,13 @@ Outcome run_reference(const Scene& scene, const Setup& s) {
         out.loss = -(q.row(0) - reference.rest().row(0)).dot(reference.spine());
     }
     out.linear = out.newton;
+    out.pullback.push_back(0.0);
+    out.amplitude_bar = by_amplitude(out.actuation_bar, signals, s.time_step);
     out.rest.assign(reference.rest().data(), reference.rest().data() + reference.rest().size());
     out.mass.assign(reference.mass().begin(), reference.mass().end());
     out.node.resize(out.mass.size());
     std::iota(out.node.begin(), out.node.end(), 0.0);
-    out.active_cells = space->box().n_cells(), out.signals = space->n_signals();
+    out.active_cells = space->box().n_cells();
     return out;
 }
 
@@ -241,12 +254,13 @@ double distance(const Vector& a, const Vector& b) {
     return std::sqrt(s);
 }
 
-constexpr Vector Outcome::*kVectors[] = {&Outcome::forward,     &Outcome::backward,     &Outcome::node,
-                                         &Outcome::q,           &Outcome::rest,         &Outcome::mass,
-                                         &Outcome::weights_bar, &Outcome::actuation_bar};
+constexpr Vector Outcome::*kVectors[] = {&Outcome::forward,     &Outcome::backward,      &Outcome::node,
+                                         &Outcome::q,           &Outcome::rest,          &Outcome::mass,
+                                         &Outcome::weights_bar, &Outcome::actuation_bar, &Outcome::amplitude_bar,
+                                         &Outcome::pullback};
 constexpr double Outcome::*kNumbers[] = {&Outcome::active_cells, &Outcome::setup_ms, &Outcome::newton,
                                          &Outcome::linear,       &Outcome::adjoint,  &Outcome::residual,
-                                         &Outcome::loss,         &Outcome::tape_mib, &Outcome::signals};
+                                         &Outcome::loss,         &Outcome::tape_mib};
 
 }  // namespace
 
@@ -402,10 +416,7 @@ double state_error(const Outcome& got, const Outcome& exact, const Scene& scene,
 
 double gradient_error(const Outcome& got, const Outcome& exact, Actuations actuations) {
     const auto by_actuation = [&](const Outcome& o) {
-        if (actuations == Actuations::each) return o.actuation_bar;
-        Vector sum(static_cast<std::size_t>(o.signals), 0.0);
-        for (std::size_t k = 0; k < o.actuation_bar.size(); ++k) sum[k % sum.size()] += o.actuation_bar[k];
-        return sum;
+        return actuations == Actuations::each ? o.actuation_bar : o.amplitude_bar;
     };
     const Vector a = by_actuation(exact);
     const double weights = norm(exact.weights_bar), least = 0.1 * std::hypot(weights, norm(a));

@@ -70,10 +70,12 @@ struct Setup {
 // What a rollout and its backward sweep gave; the objective is the distance travelled.
 struct Outcome {
     double active_cells = 0.0, setup_ms = 0.0, newton = 0.0, linear = 0.0, adjoint = 0.0;  // iterations a step
-    double residual = 0.0, loss = 0.0, tape_mib = 0.0, signals = 0.0, peak_mib = 0.0;
-    Vector forward, backward;           // ms of a whole rollout, one value a repetition
-    Vector node, q, rest, mass;         // of the last state; index in the full box of each node; mass of occupancy 1
+    double residual = 0.0, loss = 0.0, tape_mib = 0.0, peak_mib = 0.0;
+    Vector forward, backward,
+        pullback;                // ms of a rollout, its sweep, the way from there to the weights: one a repetition
+    Vector node, q, rest, mass;  // of the last state; index in the full box of each node; mass of occupancy 1
     Vector weights_bar, actuation_bar;  // gradient; weights_bar is empty of the reference
+    Vector amplitude_bar;               // gradient by a factor on each signal
 };
 
 // Actuation of a signal at a time (s): the paper's sine of twelve steps at h = 1/30, led in over 0.1 s. A step takes it
@@ -88,9 +90,8 @@ Outcome run(const Scene& scene, const Setup& setup);
 double state_error(const Outcome& got, const Outcome& exact, const Scene& scene, int fine = 1);
 // The larger of the errors by weights, where the method has them, and by actuation: each |g - g_exact| over |g_exact|,
 // or over a tenth of the norm of both together where that is larger, so that a part that nearly vanishes does not
-// decide. Rollouts of other time steps are compared in the sums over their steps, the gradient by a constant that is
-// added to a signal.
-enum class Actuations { each, summed };
+// decide. Rollouts of other time steps are compared in the gradient by each signal's amplitude.
+enum class Actuations { each, amplitudes };
 double gradient_error(const Outcome& got, const Outcome& exact, Actuations actuations = Actuations::each);
 
 // ---------------------------------------------------------------- command lines

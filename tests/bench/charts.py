@@ -1,0 +1,360 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Draws the charts of speed against accuracy from the CSV files of the benchmarks, as SVG, with gnuplot.
+
+    charts.py [--results DIR] [--charts DIR] [name ...]
+
+Names: work_precision_<scene>, rollout_<scene>, threshold, scaling, barycenter, stability; default all whose CSV files
+are there. Titles are made from the figures. A ring marks what the library does by default.
+"""
+import argparse
+import csv
+import math
+import pathlib
+import subprocess
+import sys
+import textwrap
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+# Colours that colour-blind readers tell apart (Okabe & Ito 2008), the same for a thing in every chart.
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = "#0072B2 #E69F00 #009E73 #D55E00 #CC79A7 #56B4E9 #000000".split()
+METHOD_COLOURS = {"newton_pcg": BLUE, "projective": ORANGE, "newton_direct": GREEN, "reference": RED}
+FIVE = [BLUE, ORANGE, GREEN, PURPLE, SKY, RED, BLACK]
+DEFAULT_TOLERANCE, DEFAULT_THRESHOLD, DEFAULT_SIGMA, DEFAULT_H = 1e-6, 0.02, 0.4, 1 / 30
+SCENES = {"eel": "two eels", "orca_shark": "orca and shark", "shipped": "clownfish and tuna", "three": "three rays"}
+
+
+def read(folder, name):
+    """Rows of name.csv and of name_<scene>.csv, numbers as such; none where there is no file."""
+    rows = []
+    for path in [folder / f"{name}.csv"] + [folder / f"{name}_{scene}.csv" for scene in SCENES]:
+        if not path.exists():
+            continue
+        with open(path, newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                for key, text in row.items():
+                    try:
+                        row[key] = float(text)
+                    except (TypeError, ValueError):
+                        pass
+                rows.append(row)
+    return rows
+
+
+def near(a, b):
+    return abs(a - b) <= 1e-3 * abs(b) if b else a == 0
+
+
+def escape(text):
+    """Text as gnuplot shows it: no markup."""
+    return str(text).replace("\\", "\\\\").replace("_", "\\\\_").replace('"', "'").replace("^", "\\\\^")
+
+
+def sci(value):
+    """1e-6 for 1e-06."""
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+class Curve:
+    def __init__(self, label, colour, points, rings=(), texts=(), dash=1, style="linespoints", mark=7):
+        self.label, self.colour, self.points = label, colour, list(points)
+        self.rings, self.texts, self.dash, self.style, self.mark = list(rings), list(texts), dash, style, mark
+
+
+class Panel:
+    def __init__(self, title, x, y, curves, log="xy", extra=()):
+        self.title, self.x, self.y, self.log, self.extra = title, x, y, log, list(extra)
+        self.curves = [c for c in curves if c.points]
+
+
+def header(path, title, width, height, layout):
+    return [f"set terminal svg size {width},{height} font 'DejaVu Sans,13' background '#ffffff'",
+            f"set output '{path}'", "set encoding utf8", "set tics nomirror out", "set border 3 lc rgb '#555555'",
+            "set grid lc rgb '#e4e4e4' lw 1", "set key outside below center horizontal maxcols 2 font ',11' samplen 2",
+            "set multiplot layout {} title \"{}\" font ',15'".format(
+                layout, "\\n".join(textwrap.wrap(escape(title), width // 9))),
+            "set lmargin 10", "set rmargin 3"]
+
+
+def gnuplot(lines):
+    done = subprocess.run(["gnuplot"], input="\n".join(lines) + "\n", text=True, capture_output=True, check=False)
+    if done.returncode != 0 or "rror" in done.stderr:
+        sys.exit(f"charts: gnuplot: {done.stderr}")
+
+
+def draw(path, title, panels, width=1080, height=470):
+    """One SVG of panels side by side."""
+    lines = header(path, title, width, height, f"1,{len(panels)}")
+    for number, panel in enumerate(panels):
+        lines += ["unset logscale", "set format '%g'", "set autoscale", f"set title \"{escape(panel.title)}\" font ',13'",
+                  f"set xlabel \"{escape(panel.x)}\"", f"set ylabel \"{escape(panel.y)}\""]
+        for axis in panel.log:
+            lines += [f"set logscale {axis}", f"set format {axis} '10^{{%L}}'"]
+        lines += [f"set bmargin {5 + (len(panel.curves) + 1) // 2}"] + panel.extra
+        plots = []
+        for k, curve in enumerate(panel.curves):
+            block = f"$p{number}_{k}"
+            lines += [f"{block} << EOD"] + [f"{x:.8g} {y:.8g}" for x, y in curve.points] + ["EOD"]
+            plots.append(f"{block} using 1:2 with {curve.style} lc rgb '{curve.colour}' lw 2 dt {curve.dash} "
+                         f"pt {curve.mark} ps 0.6 title \"{escape(curve.label)}\"" if curve.style == "linespoints" else
+                         f"{block} using 1:2 with lines lc rgb '{curve.colour}' lw 1.5 dt {curve.dash} "
+                         f"title \"{escape(curve.label)}\"")
+            if curve.rings:
+                lines += [f"{block}r << EOD"] + [f"{x:.8g} {y:.8g}" for x, y in curve.rings] + ["EOD"]
+                plots.append(f"{block}r using 1:2 with points pt 6 ps 1.7 lw 2.5 lc rgb '{curve.colour}' notitle")
+            if curve.texts:
+                lines += [f"{block}t << EOD"] + [f'{x:.8g} {y:.8g} "{t}"' for x, y, t in curve.texts] + ["EOD"]
+                plots.append(f"{block}t using 1:2:3 with labels offset 1.2,0.6 font ',10' tc rgb '{curve.colour}' "
+                             "notitle")
+        lines.append("plot " + ", \\\n  ".join(plots))
+    gnuplot(lines + ["unset multiplot"])
+    print(f"charts: {path}")
+
+
+def step_ms(row):
+    return row["forward_ms"] + row["backward_ms"]
+
+
+def at_tolerance(rows, tolerance):
+    return next((r for r in rows if near(r["tolerance"], tolerance)), None)
+
+
+def work_precision(results, charts, scene):
+    """Error against time per step over the tolerance, a curve for each method and set of cells."""
+    rows = [r for r in read(results, "step_tolerance") if str(r["scene"]).split(":")[0] == scene]
+    rows = [r for r in rows if r["threads"] == 1 and r["integrator"] == "euler"]
+    groups = {}
+    for r in rows:
+        box = r["threshold"] == 0
+        if box == (r["scene"] == scene):  # the exact answer of the row's own cells
+            groups.setdefault((r["method"], box), []).append(r)
+    for group in groups.values():
+        group.sort(key=lambda r: -r["tolerance"])
+    if not groups:
+        return
+    panels = []
+    for error, name in (("state_error", "state"), ("gradient_error", "gradient")):
+        curves = []
+        for (method, box), group in sorted(groups.items()):
+            good = [r for r in group if r[error] > 0]
+            curves.append(Curve(f"{method}, {'full box' if box else 'active cells'}", METHOD_COLOURS[method],
+                                [(step_ms(r), r[error]) for r in good], dash=2 if box else 1,
+                                mark=5 if method == "reference" else 7,
+                                rings=[(step_ms(r), r[error]) for r in good
+                                       if method == "newton_pcg" and not box and near(r["tolerance"], 1e-6)]))
+        panels.append(Panel(f"Error of the {name}, tolerances from 1e-1 to 1e-10",
+                            "forward and backward step (ms, one core)", f"relative error of the {name}", curves))
+    title = f"{SCENES.get(scene, scene)}: work against precision"
+    ours, box = groups.get(("newton_pcg", False)), groups.get(("newton_pcg", True))
+    textbook = groups.get(("reference", True))
+    if ours and box and textbook and all(at_tolerance(g, 1e-6) for g in (ours, box, textbook)):
+        slow, full, fast = (step_ms(at_tolerance(g, 1e-6)) for g in (textbook, box, ours))
+        title += (f": at a residual of 1e-6 {slow / fast:.0f} times faster than the textbook method, "
+                  f"{slow / full:.0f} by the solver and {full / fast:.1f} by fewer cells")
+    elif ours and groups.get(("projective", False)):
+        slow, fast = (at_tolerance(groups[m, False], 1e-6) for m in ("projective", "newton_pcg"))
+        if slow and fast:
+            title += f": at a residual of 1e-6 newton_pcg takes {step_ms(fast) / step_ms(slow):.2f} of projective's time"
+    draw(charts / f"work_precision_{scene}.svg", title, panels)
+
+
+def rollout(results, charts, scene):
+    """Error of a second of swimming over the time step."""
+    rows = [r for r in read(results, "rollout") if r["scene"] == scene and r["threads"] == 1]
+    plain = [r for r in rows if r["method"] == "newton_pcg" and r["checkpoint_mib"] == 0]
+    if not plain:
+        return
+    panels, slopes = [], {}
+    for error, name in (("loss_error", "loss"), ("gradient_error", "gradient")):
+        curves = []
+        for integrator, colour in (("euler", BLUE), ("bdf2", PURPLE)):
+            group = {r["h"]: r for r in sorted(plain, key=lambda r: -r["h"])
+                     if r["integrator"] == integrator and r[error] > 0}
+            time = {h: 1e-3 * step_ms(r) for h, r in group.items()}
+            curves.append(Curve({"euler": "implicit Euler", "bdf2": "BDF2"}[integrator], colour,
+                                [(time[h], r[error]) for h, r in group.items()],
+                                rings=[(time[h], r[error]) for h, r in group.items()
+                                       if integrator == "euler" and near(h, DEFAULT_H)],
+                                texts=[(time[h], r[error], f"1/{1 / h:.0f}") for h, r in group.items()]))
+            if len(group) > 1 and error == "loss_error":
+                slopes[integrator] = group[min(group)][error]
+        for r in rows:
+            if r["method"] == "reference" and r[error] > 0:
+                curves.append(Curve(f"reference, tolerance {sci(r['tolerance'])}", RED,
+                                    [(1e-3 * step_ms(r), r[error])], mark=5 if r["tolerance"] > 1e-3 else 4))
+        panels.append(Panel(f"Error of the {name} (labels: h in s)", "forward and backward rollout (s, one core)",
+                            f"relative error of the {name}", curves))
+    shortest = min(r["h"] for r in plain)
+    title = f"{SCENES.get(scene, scene)}, {plain[0]['steps'] * plain[0]['h']:.1g} s of swimming"
+    if len(slopes) == 2:
+        title += (f": at h = 1/{1 / shortest:.0f} s BDF2's loss is off by {100 * slopes['bdf2']:.2g} %, "
+                  f"implicit Euler's by {100 * slopes['euler']:.2g} %")
+    draw(charts / f"rollout_{scene}.svg", title, panels)
+
+
+def threshold(results, charts):
+    """Error against the full box over the threshold of active cells."""
+    rows = [r for r in read(results, "step_threshold") if ":" not in r["scene"] and r["threads"] == 1]
+    rows = [r for r in rows if r["method"] == "newton_pcg" and r["integrator"] == "euler"]
+    rows.sort(key=lambda r: -r["threshold"])
+    scenes = [s for s in SCENES if any(r["scene"] == s for r in rows)]
+    if not scenes:
+        return
+    panels, parts = [], []
+    for error, name in (("state_error", "state"), ("gradient_error", "gradient")):
+        curves = []
+        for scene, colour in zip(scenes, FIVE):
+            group = [r for r in rows if r["scene"] == scene and r["threshold"] > 0 and r[error] > 0]
+            curves.append(Curve(SCENES[scene], colour, [(step_ms(r), r[error]) for r in group],
+                                rings=[(step_ms(r), r[error]) for r in group if near(r["threshold"], DEFAULT_THRESHOLD)],
+                                texts=[(step_ms(r), r[error], f"{r['threshold']:g}") for r in group]))
+            full = next((r for r in rows if r["scene"] == scene and r["threshold"] == 0), None)
+            if full:
+                lows = [r[error] for r in group] or [1e-6]
+                curves.append(Curve(f"{SCENES[scene]}, time of the full box", colour,
+                                    [(step_ms(full), 0.3 * min(lows)), (step_ms(full), 1.0)], dash=3, style="lines"))
+                usual = next((r for r in group if near(r["threshold"], DEFAULT_THRESHOLD)), None)
+                if usual and name == "state":
+                    parts.append(f"{step_ms(full) / step_ms(usual):.1f} times faster than the full box, state within "
+                                 f"{100 * usual[error]:.2g} % ({SCENES[scene]})")
+        panels.append(Panel(f"Error of the {name} against the full box (labels: threshold)",
+                            "forward and backward step (ms, one core)", f"relative error of the {name}", curves))
+    draw(charts / "threshold.svg", "Threshold 0.02: " + "; ".join(parts[:2]), panels, height=500)
+
+
+def slope(points):
+    xs, ys = [math.log(x) for x, _ in points], [math.log(y) for _, y in points]
+    mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
+    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
+
+
+def scaling(results, charts):
+    """Time and memory over active cells; speed-up over threads."""
+    rows = read(results, "step_scaling")
+    if not rows:
+        return
+    rows.sort(key=lambda r: (r["active_cells"], r["threads"]))
+    one = [r for r in rows if r["threads"] == 1]
+    times = [Curve(label, colour, [(r["active_cells"], r[key]) for r in one if r[key] > 0])
+             for label, colour, key in (("set-up", GREEN, "setup_ms"), ("forward step", BLUE, "forward_ms"),
+                                        ("backward step", ORANGE, "backward_ms"))]
+    panels = [Panel("Time, one core", "active cells", "time (ms)", times),
+              Panel("Peak memory of the process", "active cells", "peak (MiB)",
+                    [Curve("peak", PURPLE, [(r["active_cells"], r["peak_mib"]) for r in one])])]
+    threads = sorted({r["threads"] for r in rows})
+    title = "One step over active cells"
+    if len(one) > 1:
+        exponents = [slope(c.points) for c in times]
+        title += f": set-up grows as n^{exponents[0]:.2f}, forward as n^{exponents[1]:.2f}, backward as n^{exponents[2]:.2f}"
+    if len(threads) > 1:
+        curves = []
+        for (grid, base), colour in zip([(r["grid"], r) for r in one], FIVE):
+            group = [r for r in rows if r["grid"] == grid]
+            curves.append(Curve(f"{grid}", colour, [(r["threads"], step_ms(base) / step_ms(r)) for r in group]))
+        ideal = Curve("ideal", BLACK, [(threads[0], threads[0]), (threads[-1], threads[-1])], dash=3, style="lines")
+        panels.append(Panel("Speed-up of a step", "threads", "speed-up", curves + [ideal], log="",
+                            extra=["set xtics 1", "set yrange [0.5:*]"]))
+    draw(charts / "scaling.svg", title, panels, width=1320)
+
+
+def barycenter(results, charts):
+    """Error and vertex IoU against time, over sigma, method and tolerance."""
+    rows = [r for r in read(results, "barycenter") if r["threads"] == 1]
+    if not rows:
+        return
+    rows.sort(key=lambda r: -r["tolerance"])
+    bases, grid = rows[0]["bases"], rows[0]["grid"]
+    rows = [r for r in rows if r["bases"] == bases and r["grid"] == grid]
+    methods = sorted({r["method"] for r in rows})
+    sigmas = sorted({r["sigma"] for r in rows})
+    shown = DEFAULT_SIGMA if any(near(s, DEFAULT_SIGMA) for s in sigmas) else sigmas[0]
+    time = lambda r: r["forward_ms"] + r["pullback_ms"]
+    by_error, by_gradient, by_iou = [], [], []
+    for method, colour in zip(methods, FIVE):
+        group = [r for r in rows if r["method"] == method]
+        at_sigma = [r for r in group if near(r["sigma"], shown)]
+        for curves, key in ((by_error, "marginal_error"), (by_gradient, "gradient_error")):
+            good = [r for r in at_sigma if r[key] > 0]
+            curves.append(Curve(method, colour, [(time(r), r[key]) for r in good],
+                                rings=[(time(r), r[key]) for r in good if near(r["tolerance"], 1e-9)]))
+        tightest = {r["sigma"]: r for r in group}  # the last of each is that of the least tolerance
+        tightest = dict(sorted(tightest.items()))
+        by_iou.append(Curve(method, colour, [(time(r), r["vertex_iou"]) for r in tightest.values()],
+                            texts=[(time(r), r["vertex_iou"], f"{s:g}") for s, r in tightest.items()],
+                            rings=[(time(r), r["vertex_iou"]) for s, r in tightest.items() if near(s, DEFAULT_SIGMA)]))
+    panels = [Panel(f"Marginal error, sigma {shown:g}", "barycentre and pullback (ms, one core)", "marginal error",
+                    by_error),
+              Panel(f"Error of the gradient, sigma {shown:g}", "barycentre and pullback (ms, one core)",
+                    "relative error of the gradient", by_gradient),
+              Panel("Shape at a vertex (labels: sigma)", "barycentre and pullback (ms, one core)",
+                    "IoU with the base shape", by_iou, log="x")]
+    panels = [p for p in panels if p.curves]
+    best = max(r["vertex_iou"] for r in rows if near(r["sigma"], shown))
+    draw(charts / "barycenter.svg", f"Barycentre of {bases:.0f} bases on {grid}: at sigma {shown:g} a vertex gives its "
+         f"shape back to IoU {best:.3f}", panels, width=1320)
+
+
+# Shape and colour both tell the outcome: filled circle, open diamond, filled triangle, cross.
+OUTCOMES = {"accurate": (BLUE, 7, "right"), "reported": (ORANGE, 12, "not solved, and said so"),
+            "silent": (RED, 9, "wrong, silently"), "nan": (BLACK, 2, "not a number")}
+
+
+def stability(results, charts):
+    """Outcome over pairs of parameters: a column for each pair, a row for each method."""
+    rows = read(results, "stability_map")
+    if not rows:
+        return
+    pairs = list(dict.fromkeys((r["axis_x"], r["axis_y"]) for r in rows))
+    methods = list(dict.fromkeys(r["method"] for r in rows))
+    path = charts / "stability.svg"
+    defects = {m: sum(r["method"] == m and r["outcome"] in ("silent", "nan") for r in rows) for m in methods}
+    title = "Stability: wrong without a word in " + ", ".join(
+        f"{defects[m]} of {sum(r['method'] == m for r in rows)} cases ({m})" for m in methods)
+    lines = header(path, title, 90 + 290 * len(pairs), 80 + 300 * len(methods), f"{len(methods)},{len(pairs)}")
+    lines += ["unset grid", "set lmargin 9"]
+    block = 0
+    for method in methods:
+        for x, y in pairs:
+            group = [r for r in rows if r["method"] == method and (r["axis_x"], r["axis_y"]) == (x, y)]
+            xs, ys = (sorted({r[k] for r in rows if (r["axis_x"], r["axis_y"]) == (x, y)})
+                      for k in ("value_x", "value_y"))
+            tics = lambda values: ", ".join(f"'{v:.3g}' {k}" for k, v in enumerate(values))
+            lines += [f"set title \"{escape(method)}\" font ',12'", f"set xlabel \"{escape(x)}\"",
+                      f"set ylabel \"{escape(y)}\"", f"set xrange [-0.6:{len(xs) - 0.4}]",
+                      f"set yrange [-0.6:{len(ys) - 0.4}]", f"set xtics ({tics(xs)}) rotate by -40 font ',10'",
+                      f"set ytics ({tics(ys)}) font ',10'"]
+            plots = []
+            for outcome, (colour, mark, label) in OUTCOMES.items():
+                at = [(xs.index(r["value_x"]), ys.index(r["value_y"])) for r in group if r["outcome"] == outcome]
+                block += 1
+                lines += [f"$b{block} << EOD"] + [f"{a} {b}" for a, b in at or [(-9, -9)]] + ["EOD"]
+                plots.append(f"$b{block} using 1:2 with points pt {mark} ps 1.3 lw 2 lc rgb '{colour}' "
+                             f"title \"{label}\"")
+            lines.append("plot " + ", ".join(plots))
+    gnuplot(lines + ["unset multiplot"])
+    print(f"charts: {path}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--results", type=pathlib.Path, default=HERE / "results")
+    parser.add_argument("--charts", type=pathlib.Path, default=HERE / "charts")
+    parser.add_argument("names", nargs="*")
+    options = parser.parse_args()
+    options.charts.mkdir(parents=True, exist_ok=True)
+    jobs = {f"work_precision_{s}": lambda s=s: work_precision(options.results, options.charts, s) for s in SCENES}
+    jobs |= {f"rollout_{s}": lambda s=s: rollout(options.results, options.charts, s) for s in SCENES}
+    jobs |= {f.__name__: lambda f=f: f(options.results, options.charts)
+             for f in (threshold, scaling, barycenter, stability)}
+    for name in options.names:
+        if name not in jobs:
+            sys.exit(f"charts: there is no chart '{name}'; there are {', '.join(jobs)}")
+    for name, job in jobs.items():
+        if not options.names or name in options.names:
+            job()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+#!/bin/sh
+# Builds the benchmarks, runs them, writes their CSV files and what they ran on to tests/bench/results/, and draws
+# tests/bench/charts/. Nothing else should run meanwhile.
+#   --quick           two to three minutes: the eel, fewer figures and repetitions; default: less than half an hour
+#   --results DIR     where CSV files and machine.txt go, --charts DIR where the SVG files go
+#   DQA_TEST_DATA     folder of Orca.stl and GreatWhiteShark.stl; default ../shared/data if there, left out otherwise
+set -eu
+cd "$(dirname "$0")/../.."
+quick=
+results=tests/bench/results
+charts=tests/bench/charts
+while [ $# -gt 0 ]; do
+    case $1 in
+        --quick) quick=--quick ;;
+        --results) results=$2; shift ;;
+        --charts) charts=$2; shift ;;
+        *) echo "run.sh: unknown option $1; the first lines list them" >&2; exit 2 ;;
+    esac
+    shift
+done
+if [ -z "${DQA_TEST_DATA:-}" ] && [ -d ../shared/data ]; then
+    DQA_TEST_DATA=$(cd ../shared/data && pwd)
+fi
+export DQA_TEST_DATA="${DQA_TEST_DATA:-}"
+export OPENBLAS_NUM_THREADS=1
+
+tests/setup.sh
+cmake --preset default >/dev/null
+build=build/default
+programs="bench_step bench_rollout"
+[ -e tests/bench/bench_barycenter.c ] && programs="$programs bench_barycenter"
+ls tests/stability/stability_map.* >/dev/null 2>&1 && programs="$programs stability_map"
+# shellcheck disable=SC2086  # the list is meant to be split
+cmake --build --preset default --target $programs
+
+mkdir -p "$results"
+{
+    date -u +%Y-%m-%d
+    echo "processor: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
+    echo "cores: $(nproc)"
+    echo "memory: $(sed -n 's/^MemTotal: *//p' /proc/meminfo)"
+    echo "compiler: $(sed -n 's/^CMAKE_CXX_COMPILER:[^=]*=//p' $build/CMakeCache.txt | xargs -I{} {} --version | head -n 1)"
+    echo "version: $(git describe --always --dirty 2>/dev/null || echo unknown)"
+    echo "command: tests/bench/run.sh $quick"
+} >"$results/machine.txt"
+cat "$results/machine.txt"
+
+threads=1
+[ "$(nproc)" -ge 2 ] && threads=1,2
+[ "$(nproc)" -ge 4 ] && threads=1,2,4
+bench() {
+    program=$1
+    shift
+    echo "run: $program $*"
+    "$build/tests/$program" "$@"
+}
+if [ -n "$quick" ]; then
+    bench bench_step --quick --threads "$threads" --csv "$results/step.csv"
+    bench bench_step --quick --reference --sweep tolerance --threshold 0.02,0 --repeat 1 --methods newton_pcg,projective \
+        --csv "$results/step_tolerance.csv"
+    bench bench_step --quick --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
+    bench bench_step --quick --scaling --threads "$threads" --csv "$results/step_scaling.csv"
+    bench bench_rollout --quick --seconds 1 --csv "$results/rollout.csv"
+else
+    bench bench_step --threads "$threads" --discretisation --scenes eel,shipped,orca_shark --csv "$results/step.csv"
+    bench bench_step --scenes three --methods newton_pcg --repeat 3 --csv "$results/step_three.csv"
+    bench bench_step --scenes eel --reference --sweep tolerance --budget 4 --csv "$results/step_tolerance.csv"
+    bench bench_step --scenes orca_shark --sweep tolerance --threshold 0.02 --methods newton_pcg,projective --repeat 3 \
+        --csv "$results/step_tolerance_orca_shark.csv"
+    bench bench_step --scenes eel,shipped,orca_shark --methods newton_pcg --sweep threshold \
+        --csv "$results/step_threshold.csv"
+    bench bench_step --scaling --threads "$threads" --repeat 3 --csv "$results/step_scaling.csv"
+    bench bench_rollout --scenes eel --reference --threads "$threads" --csv "$results/rollout.csv"
+    bench bench_rollout --scenes orca_shark --rates 15,30,60 --threads "$threads" --repeat 1 \
+        --csv "$results/rollout_orca_shark.csv"
+fi
+case $programs in *bench_barycenter*) bench bench_barycenter $quick --csv "$results/barycenter.csv" ;; esac
+case $programs in *stability_map*) bench stability_map $quick --csv "$results/stability_map.csv" ;; esac
+python3 -B tests/bench/charts.py --results "$results" --charts "$charts"
