@@ -84,7 +84,7 @@ def gnuplot(lines):
         sys.exit(f"charts: gnuplot: {done.stderr}")
 
 
-def draw(path, title, panels, width=1080, height=470):
+def draw(path, title, panels, width=1080, height=520):
     """One SVG of panels side by side."""
     lines = header(path, title, width, height, f"1,{len(panels)}")
     for number, panel in enumerate(panels):
@@ -92,7 +92,10 @@ def draw(path, title, panels, width=1080, height=470):
                   f"set xlabel \"{escape(panel.x)}\"", f"set ylabel \"{escape(panel.y)}\""]
         for axis in panel.log:
             lines += [f"set logscale {axis}", f"set format {axis} '10^{{%L}}'"]
-        lines += [f"set bmargin {5 + (len(panel.curves) + 1) // 2}"] + panel.extra
+        columns = 2 if all(len(c.label) < 20 for c in panel.curves) else 1
+        rows = (len(panel.curves) + columns - 1) // columns
+        lines += [f"set key outside below center horizontal maxcols {columns} font ',11' samplen 2",
+                  f"set bmargin {5 + rows}"] + panel.extra
         plots = []
         for k, curve in enumerate(panel.curves):
             block = f"$p{number}_{k}"
@@ -213,7 +216,7 @@ def threshold(results, charts):
             full = next((r for r in rows if r["scene"] == scene and r["threshold"] == 0), None)
             if full:
                 lows = [r[error] for r in group] or [1e-6]
-                curves.append(Curve(f"{SCENES[scene]}, time of the full box", colour,
+                curves.append(Curve(f"{SCENES[scene]}, full box", colour,
                                     [(step_ms(full), 0.3 * min(lows)), (step_ms(full), 1.0)], dash=3, style="lines"))
                 usual = next((r for r in group if near(r["threshold"], DEFAULT_THRESHOLD)), None)
                 if usual and name == "state":
@@ -221,7 +224,7 @@ def threshold(results, charts):
                                  f"{100 * usual[error]:.2g} % ({SCENES[scene]})")
         panels.append(Panel(f"Error of the {name} against the full box (labels: threshold)",
                             "forward and backward step (ms, one core)", f"relative error of the {name}", curves))
-    draw(charts / "threshold.svg", "Threshold 0.02: " + "; ".join(parts[:2]), panels, height=500)
+    draw(charts / "threshold.svg", "Threshold 0.02: " + "; ".join(parts[:2]), panels, height=540)
 
 
 def slope(points):

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs a benchmark on a small scene and checks its columns and that errors are what each method promises; no timings.
+
+    check_bench.py step|rollout PROGRAM
+    check_bench.py charts
+"""
+import csv
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+
+HERE = pathlib.Path(__file__).resolve().parent
+STEP = ("scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,"
+        "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib")
+ROLLOUT = ("scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,checkpoint_mib,forward_ms,backward_ms,"
+           "loss,loss_error,gradient_error,peak_mib")
+WORDS = {"scene", "grid", "method", "integrator", "precision"}
+
+
+def require(good, *what):
+    if not good:
+        sys.exit("check_bench: " + " ".join(str(w) for w in what))
+
+
+def rows_of(program, header, *options):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "out.csv"
+        done = subprocess.run([program, "--csv", path, *options], text=True, capture_output=True, check=False)
+        print(done.stdout, done.stderr)
+        require(done.returncode == 0, program, *options, "ended with", done.returncode)
+        lines = path.read_text(encoding="utf-8").splitlines()
+    require(lines[0] == header, "the header is", lines[0])
+    rows = list(csv.DictReader(lines))
+    for row in rows:
+        for key, text in row.items():
+            if key not in WORDS:
+                row[key] = float(text)
+                require(math.isfinite(row[key]), key, "is", text, "in", row)
+        for key in ("active_cells", "forward_ms", "backward_ms", "tolerance", "threads", "peak_mib"):
+            require(row[key] > 0, key, "is", row[key], "in", row)
+    return rows
+
+
+def step(program):
+    rows = rows_of(program, STEP, "--quick", "--grid", "24x8x8", "--repeat", "1", "--steps", "2", "--algebraic",
+                   "--threads", "1,2")
+    kinds = {(r["scene"], r["method"], r["threshold"], r["tolerance"], r["threads"]) for r in rows}
+    require(len(kinds) == len(rows), "a configuration was measured twice")
+    for threads in (1, 2):
+        for method in ("newton_pcg", "projective", "newton_direct"):
+            for scene, threshold in (("eel", 0.0), ("eel", 0.02), ("eel:same_cells", 0.02)):
+                require((scene, method, threshold, 1e-6, threads) in kinds, "no row of", scene, method, threshold)
+    for tolerance in (1e-1, 1e-6):
+        require(("eel", "reference", 0.0, tolerance, 1) in kinds, "no row of the reference at", tolerance)
+    for r in rows:
+        require(r["residual"] <= r["tolerance"], "residual above the tolerance in", r)
+        require(r["precision"] == ("single" if r["method"] in ("newton_pcg", "projective") else "double"), r)
+        require(0 < r["active_cells"] <= 24 * 8 * 8 and r["setup_ms"] > 0 and r["newton_iterations"] > 0, r)
+        own_cells = r["threshold"] == 0 or r["scene"].endswith(":same_cells")
+        if own_cells and r["tolerance"] <= 1e-6:
+            require(r["state_error"] <= 1e-4 and r["gradient_error"] <= 1e-3, "inaccurate:", r)
+        elif own_cells:
+            require(r["state_error"] > 1e-3, "loose tolerances are not this accurate:", r)
+        else:
+            require(1e-6 < r["state_error"] <= 0.2, "fewer cells leave an error, but not this one:", r)
+    answers = {}
+    for r in rows:
+        key = (r["scene"], r["method"], r["threshold"], r["tolerance"])
+        value = (r["active_cells"], r["newton_iterations"], r["residual"], r["state_error"], r["gradient_error"])
+        require(answers.setdefault(key, value) == value, "threads change the answer of", key)
+    rows = rows_of(program, STEP, "--quick", "--grid", "20x8x8", "--repeat", "1", "--steps", "2", "--discretisation",
+                   "--methods", "newton_pcg", "--threshold", "0.02", "--tolerance", "1e-6,1e-8", "--integrators", "bdf2")
+    tags = {r["scene"] for r in rows if r["method"] == "newton_pcg"}
+    require(tags == {"eel", "eel:h/8", "eel:dx/2"}, "rows of", tags)
+    for bad in (["--scenes", "whale"], ["--methods", "guess"], ["--tolerance", "small"], ["--steps", "0"], ["--no"]):
+        done = subprocess.run([program, *bad], text=True, capture_output=True, check=False)
+        require(done.returncode == 2 and done.stderr, *bad, "ended with", done.returncode)
+
+
+def rollout(program):
+    rows = rows_of(program, ROLLOUT, "--quick", "--rates", "15,30,120", "--threads", "1,2")
+    plain = {(r["integrator"], round(1 / r["h"])): r for r in rows
+             if (r["method"], r["threads"], r["checkpoint_mib"]) == ("newton_pcg", 1, 0)}
+    for integrator in ("euler", "bdf2"):
+        for rate in (15, 30, 120):
+            require((integrator, rate) in plain, "no row of", integrator, rate)
+            require(plain[integrator, rate]["steps"] == round(0.2 * rate), plain[integrator, rate])
+    for key in ("loss_error", "gradient_error"):
+        coarse, fine, second = (plain[k][key] for k in (("euler", 30), ("euler", 120), ("bdf2", 120)))
+        require(second < fine < coarse, key, "does not fall as it should:", coarse, fine, second)
+    usual = plain["euler", 30]
+    others = [r for r in rows if r["integrator"] == "euler" and round(1 / r["h"]) == 30 and r is not usual]
+    require({r["checkpoint_mib"] for r in others} == {0, 64, 8}, "budgets of the tape are missing")
+    for r in others:
+        if r["method"] == "newton_pcg":
+            same = all(r[key] == usual[key] for key in ("loss", "loss_error", "gradient_error"))
+            require(same, "threads or checkpoints change the answer:", r)
+    methods = {r["method"]: r for r in others}
+    require(abs(methods["projective"]["loss"] / usual["loss"] - 1) <= 1e-3, "projective goes elsewhere")
+    require("reference" in methods, "the reference is missing")
+
+
+def charts(_=None):
+    """Every chart is drawn from rows of the promised columns and is an SVG that holds its curves."""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+
+        def write(name, header, rows):
+            (folder / f"{name}.csv").write_text("\n".join([header] + [",".join(map(str, r)) for r in rows]) + "\n",
+                                                encoding="utf-8")
+
+        def step_row(scene, cells, tau, method, tolerance, threads, ms, error):
+            return [scene, f"{cells}x1x1", cells, tau, method, "euler", "single", tolerance, threads, ms, ms, ms, 5, 50,
+                    40, tolerance, error, 10 * error, 12]
+
+        write("step_tolerance", STEP, [
+            step_row(scene, cells, tau, method, t, 1, ms * cells * (1 - math.log(t)), 10 * t)
+            for scene, cells, tau in (("eel", 2560, 0), ("eel:same_cells", 488, 0.02))
+            for method, ms in (("newton_pcg", 0.001), ("projective", 0.003), ("reference", 0.05))
+            for t in (1e-1, 1e-3, 1e-6, 1e-9)])
+        write("step_threshold", STEP, [step_row("eel", 500, tau, "newton_pcg", 1e-6, 1, 10 / (tau + 0.01), tau + 1e-6)
+                                       for tau in (0.1, 0.02, 0.005, 0)])
+        write("step_scaling", STEP, [step_row("shipped", n, 0.02, "newton_pcg", 1e-6, threads, n ** 1.2 / threads, 1e-6)
+                                     for n in (100, 1000) for threads in (1, 2)])
+        write("rollout", ROLLOUT, [
+            ["eel", "40x8x8", 488, "newton_pcg", name, n, 1 / n, 1e-6, 1, 0, 10 * n, 10 * n, 0.1, n ** -p, n ** -p, 12]
+            for name, p in (("euler", 1), ("bdf2", 2)) for n in (15, 30, 60)])
+        write("barycenter", "bases,grid,sigma,method,tolerance,threads,iterations,forward_ms,pullback_ms,marginal_error,"
+              "vertex_iou,gradient_error,peak_mib",
+              [[2, "60x16x26", sigma, method, t, 1, 50, 100 / sigma - ms * math.log(t), 30, t, 1 - 0.05 * sigma, 10 * t,
+                60] for sigma in (0.4, 1.0) for method, ms in (("anderson", 5), ("plain", 50)) for t in (1e-3, 1e-9)])
+        outcomes = ("accurate", "reported", "silent", "nan")
+        write("stability_map", "axis_x,value_x,axis_y,value_y,method,outcome,steps_done,residual,state_error,"
+              "gradient_error,inverted_cells,max_speed,reason",
+              [["youngs_modulus", 10.0 ** x, axis, y, method, outcomes[(x + k * method.count("r")) % 4], 10, 0, 0, 0, 0,
+                1, ""] for axis in ("h", "tau") for x in range(4, 9) for k, y in enumerate((0.01, 0.1, 0.3))
+               for method in ("newton_pcg", "reference")])
+        done = subprocess.run([sys.executable, "-B", HERE / "charts.py", "--results", folder, "--charts", folder],
+                              text=True, capture_output=True, check=False)
+        require(done.returncode == 0, done.stdout, done.stderr)
+        for name in ("work_precision_eel", "threshold", "scaling", "rollout_eel", "barycenter", "stability"):
+            path = folder / f"{name}.svg"
+            require(path.exists(), name, "was not drawn:", done.stdout)
+            texts = " ".join(xml.etree.ElementTree.parse(path).getroot().itertext())
+            require(len(texts) > 100, name, "says next to nothing")
+        if len(sys.argv) > 2:  # kept for a look at them
+            target = pathlib.Path(sys.argv[2])
+            for path in folder.glob("*.svg"):
+                (target / path.name).write_bytes(path.read_bytes())
+
+
+if __name__ == "__main__":
+    {"step": step, "rollout": rollout, "charts": charts}[sys.argv[1]](*sys.argv[2:3])
