@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the benchmarks, runs them, writes their CSV files and what they ran on to tests/bench/results/, and draws
 # tests/bench/charts/. Nothing else should run meanwhile.
-#   --quick           two to three minutes: the eel, fewer figures and repetitions; default: less than half an hour
+#   --quick           two to three minutes: the eel, fewer figures and repetitions; otherwise about half an hour
 #   --results DIR     where CSV files and machine.txt go, --charts DIR where the SVG files go
 #   DQA_TEST_DATA     folder of Orca.stl and GreatWhiteShark.stl; default ../shared/data if there, left out otherwise
 set -eu
@@ -34,6 +34,7 @@ ls tests/stability/stability_map.* >/dev/null 2>&1 && programs="$programs stabil
 cmake --build --preset default --target $programs
 
 mkdir -p "$results"
+rm -f "$results"/*.csv "$results/machine.txt"
 {
     date -u +%Y-%m-%d
     echo "processor: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
@@ -62,17 +63,22 @@ if [ -n "$quick" ]; then
     bench bench_step --quick --scaling --threads "$threads" --csv "$results/step_scaling.csv"
     bench bench_rollout --quick --seconds 1 --csv "$results/rollout.csv"
 else
-    bench bench_step --threads "$threads" --discretisation --scenes eel,shipped,orca_shark --csv "$results/step.csv"
+    # Real animals where their meshes are there, shipped ones otherwise.
+    animals=shipped
+    if [ -r "$DQA_TEST_DATA/Orca.stl" ] && [ -r "$DQA_TEST_DATA/GreatWhiteShark.stl" ]; then animals=orca_shark; fi
+    bench bench_step --threads "$threads" --reference --scenes eel --csv "$results/step_eel.csv"
+    bench bench_step --threads "$threads" --scenes "$animals" --csv "$results/step_$animals.csv"
     bench bench_step --scenes three --methods newton_pcg --repeat 3 --csv "$results/step_three.csv"
-    bench bench_step --scenes eel --reference --sweep tolerance --budget 4 --csv "$results/step_tolerance.csv"
-    bench bench_step --scenes orca_shark --sweep tolerance --threshold 0.02 --methods newton_pcg,projective --repeat 3 \
-        --csv "$results/step_tolerance_orca_shark.csv"
-    bench bench_step --scenes eel,shipped,orca_shark --methods newton_pcg --sweep threshold \
-        --csv "$results/step_threshold.csv"
-    bench bench_step --scaling --threads "$threads" --repeat 3 --csv "$results/step_scaling.csv"
-    bench bench_rollout --scenes eel --reference --threads "$threads" --csv "$results/rollout.csv"
-    bench bench_rollout --scenes orca_shark --rates 15,30,60 --threads "$threads" --repeat 1 \
-        --csv "$results/rollout_orca_shark.csv"
+    bench bench_step --scenes "eel,$animals" --methods newton_pcg --threshold 0.02 --repeat 1 --discretisation \
+        --integrators euler,bdf2 --csv "$results/step_discretisation.csv"
+    bench bench_step --scenes eel --reference --sweep tolerance --budget 4 --csv "$results/step_tolerance_eel.csv"
+    bench bench_step --scenes "$animals" --sweep tolerance --threshold 0.02 --methods newton_pcg,projective --repeat 3 \
+        --csv "$results/step_tolerance_$animals.csv"
+    bench bench_step --scenes "eel,$animals" --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
+    bench bench_step --scaling --scenes "$animals" --threads "$threads" --repeat 3 --csv "$results/step_scaling.csv"
+    bench bench_rollout --scenes eel --reference --threads "$threads" --csv "$results/rollout_eel.csv"
+    bench bench_rollout --scenes "$animals" --rates 15,30,60 --threads "$threads" --repeat 1 \
+        --csv "$results/rollout_$animals.csv"
 fi
 case $programs in *bench_barycenter*) bench bench_barycenter $quick --csv "$results/barycenter.csv" ;; esac
 case $programs in *stability_map*) bench stability_map $quick --csv "$results/stability_map.csv" ;; esac

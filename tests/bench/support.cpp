@@ -91,7 +91,7 @@ void ray_mesh(double span, double sweep, double tail, Vector& vertices, std::vec
 }
 
 void add_rays(dqa_shape_space* space) {
-    static constexpr double kRays[3][3] = {{1.3, 0.35, 0.2}, {1.0, 0.05, 0.5}, {1.15, 0.2, 0.35}};
+    static constexpr double kRays[3][3] = {{1.2, 0.25, 0.2}, {1.1, 0.1, 0.4}, {1.15, 0.2, 0.3}};
     for (const auto& ray : kRays) {
         Vector vertices;
         std::vector<std::int32_t> triangles;
