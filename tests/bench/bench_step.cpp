@@ -3,7 +3,8 @@
 //
 //   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
-//              [--integrators LIST] [--sweep tolerance|threshold] [--algebraic] [--discretisation] [--reference]
+//              [--integrators LIST] [--precision LIST] [--sweep tolerance|threshold] [--algebraic] [--discretisation]
+//              [--reference]
 //              [--oracle auto|direct|pcg] [--scaling]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
@@ -35,7 +36,8 @@ constexpr char kHeader[] =
 
 struct Settings {
     std::string csv, data, oracle = "auto";
-    std::vector<std::string> scenes, methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"};
+    std::vector<std::string> scenes, methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
+        precisions{"single"};
     Vector thresholds{0.02, 0.0}, tolerances{1e-6}, threads{1.0};
     std::array<int, 3> grid{};
     int steps = 5, repeat = 5;
@@ -45,6 +47,13 @@ struct Settings {
 
 bool small(const Scene& scene) {
     return scene.grid[0] * scene.grid[1] * scene.grid[2] <= 6000;
+}
+
+template <std::size_t n>
+int place(const char* const (&names)[n], const std::string& name) {
+    for (std::size_t k = 0; k < n; ++k)
+        if (name == names[k]) return static_cast<int>(k);
+    throw UsageError("there is no '" + name + "' to choose");
 }
 
 // Adjoints want tighter solves than steps; the ratio is that of the defaults.
@@ -62,12 +71,18 @@ public:
 
     void scene(const Scene& scene) {
         exact_.clear();
-        for (std::size_t i = 0; i < s_.integrators.size(); ++i)
+        for (const std::string& integrator : s_.integrators)
             for (const double threshold : s_.thresholds)
                 for (const std::string& method : s_.methods)
                     for (const double tolerance : s_.tolerances)
-                        for (const double threads : s_.threads)
-                            library(scene, method, s_.integrators[i], threshold, tolerance, static_cast<int>(threads));
+                        for (const std::string& precision : s_.precisions)
+                            for (const double threads : s_.threads) {
+                                if (method == kMethods[1] && precision != s_.precisions.front()) continue;
+                                Setup setup = setup_of(s_, place(kMethods, method), place(kIntegrators, integrator),
+                                                       threshold, tolerance, static_cast<int>(threads));
+                                setup.precision = place(kPrecisions, precision);
+                                library(scene, setup);
+                            }
         if (!s_.reference && !(s_.quick && scene.name == "eel")) return;
         const Vector tolerances = s_.tolerances.size() > 1 ? s_.tolerances : Vector{1e-1, 1e-6};
         for (const double tolerance : tolerances) {
@@ -147,19 +162,16 @@ private:
         return entry ? &*entry : nullptr;
     }
 
-    void library(const Scene& scene, const std::string& name, const std::string& integrator, double threshold,
-                 double tolerance, int threads) {
-        int method = 0;
-        while (name != kMethods[method]) ++method;
-        if (method == 1 && !small(scene) && s_.oracle != "direct") return;
-        const int form = integrator == kIntegrators[1];
-        const Setup setup = setup_of(s_, method, form, threshold, tolerance, threads);
+    void library(const Scene& scene, const Setup& setup) {
+        const int form = setup.integrator;
+        const double threshold = setup.threshold;
+        if (setup.method == 1 && !small(scene) && s_.oracle != "direct") return;
         const auto got = measure(scene, setup);
         if (!got) return;
         if (const Outcome* truth = exact(scene, 0.0, form)) report(scene, "", setup, *got, *truth);
         if (s_.algebraic && threshold > 0)
             if (const Outcome* truth = exact(scene, threshold, form)) report(scene, ":same_cells", setup, *got, *truth);
-        if (!s_.discretisation || method != 0 || threads != 1 || threshold <= 0) return;
+        if (!s_.discretisation || setup.method != 0 || setup.threads != 1 || threshold <= 0) return;
         Setup fine = setup;
         fine.time_step /= 8.0, fine.steps *= 8, fine.repeat = 1, fine.tolerance = fine.adjoint_tolerance = 1e-8;
         if (const auto truth = measure(scene, fine))
@@ -188,9 +200,10 @@ private:
         std::fflush(stdout);
         csv_.row("%s%s,%s,%.0f,%g,%s,%s,%s,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f\n",
                  scene.name.c_str(), tag, scene.grid_text().c_str(), o.active_cells, setup.threshold,
-                 kMethods[setup.method], kIntegrators[setup.integrator], iterative ? "single" : "double",
-                 setup.tolerance, setup.threads, o.setup_ms, forward.median / steps, backward.median / steps, o.newton,
-                 o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
+                 kMethods[setup.method], kIntegrators[setup.integrator],
+                 iterative ? kPrecisions[setup.precision] : "double", setup.tolerance, setup.threads, o.setup_ms,
+                 forward.median / steps, backward.median / steps, o.newton, o.linear, o.adjoint, o.residual, state,
+                 gradient, o.peak_mib);
     }
 
     const Settings& s_;
@@ -198,14 +211,6 @@ private:
     std::map<std::tuple<std::string, double, int>, std::optional<Outcome>> exact_;
     int failures_ = 0;
 };
-
-void require_known(const std::vector<std::string>& given, const char* const* known, std::size_t n, const char* what) {
-    for (const std::string& name : given) {
-        bool found = false;
-        for (std::size_t k = 0; k < n; ++k) found = found || name == known[k];
-        if (!found) throw UsageError("there is no " + std::string(what) + " '" + name + "'");
-    }
-}
 
 Settings parse(int argc, char** argv) {
     Settings s;
@@ -242,14 +247,19 @@ Settings parse(int argc, char** argv) {
             s.budget = numbers(value(), "--budget")[0];
         } else if (name == "--methods") {
             s.methods = split(value());
-            require_known(s.methods, kMethods, 3, "method");
+            for (const std::string& method : s.methods)
+                if (place(kMethods, method) == kReferenceMethod)
+                    throw UsageError("the reference comes with --reference");
         } else if (name == "--threshold") {
             s.thresholds = numbers(value(), "--threshold");
         } else if (name == "--tolerance") {
             s.tolerances = numbers(value(), "--tolerance");
         } else if (name == "--integrators") {
             s.integrators = split(value());
-            require_known(s.integrators, kIntegrators, 2, "integrator");
+            for (const std::string& integrator : s.integrators) place(kIntegrators, integrator);
+        } else if (name == "--precision") {
+            s.precisions = split(value());
+            for (const std::string& precision : s.precisions) place(kPrecisions, precision);
         } else if (name == "--sweep") {
             const std::string what = value();
             if (what == "tolerance")

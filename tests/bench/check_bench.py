@@ -76,7 +76,11 @@ def step(program):
                    "--methods", "newton_pcg", "--threshold", "0.02", "--tolerance", "1e-6,1e-8", "--integrators", "bdf2")
     tags = {r["scene"] for r in rows if r["method"] == "newton_pcg"}
     require(tags == {"eel", "eel:h/8", "eel:dx/2"}, "rows of", tags)
-    for bad in (["--scenes", "whale"], ["--methods", "guess"], ["--tolerance", "small"], ["--steps", "0"], ["--no"]):
+    rows = rows_of(program, STEP, "--quick", "--grid", "20x8x8", "--repeat", "1", "--steps", "2", "--methods",
+                   "newton_pcg", "--threshold", "0", "--precision", "single,double", "--scenes", "shipped")
+    require([r["precision"] for r in rows] == ["single", "double"], "precisions of", rows)
+    require(all(r["state_error"] <= 1e-4 for r in rows), "inaccurate:", rows)
+    for bad in (["--scenes", "whale"], ["--methods", "guess"], ["--tolerance", "small"], ["--steps", "0"], ["--no"], ["--precision", "half"]):
         done = subprocess.run([program, *bad], text=True, capture_output=True, check=False)
         require(done.returncode == 2 and done.stderr, *bad, "ended with", done.returncode)
 

@@ -68,6 +68,8 @@ else
     if [ -r "$DQA_TEST_DATA/Orca.stl" ] && [ -r "$DQA_TEST_DATA/GreatWhiteShark.stl" ]; then animals=orca_shark; fi
     bench bench_step --threads "$threads" --reference --scenes eel --csv "$results/step_eel.csv"
     bench bench_step --threads "$threads" --scenes "$animals" --csv "$results/step_$animals.csv"
+    bench bench_step --scenes "$animals" --methods newton_pcg --threshold 0.02 --precision double \
+        --csv "$results/step_precision.csv"
     bench bench_step --scenes three --methods newton_pcg --repeat 3 --csv "$results/step_three.csv"
     bench bench_step --scenes "eel,$animals" --methods newton_pcg --threshold 0.02 --repeat 1 --discretisation \
         --integrators euler,bdf2 --csv "$results/step_discretisation.csv"
