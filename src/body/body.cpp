@@ -39,7 +39,27 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
 }
 
 void Body::product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const {
-    for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->product(ws.terms[t], p, threads, out);
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
+    parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain,
+                    [&](int begin, int end) { add_product(ws, begin, end, out); });
+}
+
+int Body::n_chunks() const {
+    int sum = 0;
+    for (const auto& term : terms_) sum += term->n_chunks();
+    return sum;
+}
+
+void Body::product_chunk(BodyWorkspace& ws, const double* p, int k) const {
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
+        const int count = terms_[t]->n_chunks();
+        if (k < count) return terms_[t]->product_chunk(ws.terms[t], p, k);
+        k -= count;
+    }
+}
+
+void Body::add_product(const BodyWorkspace& ws, int begin, int end, double* out) const {
+    for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_product(ws.terms[t], begin, end, out);
 }
 
 void Body::filter(BodyWorkspace& ws) const {

@@ -39,6 +39,10 @@ public:
                     double* muscle_out) const;
     // out += H p at the last gradient.
     void product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const;
+    // The same in two parts, see EnergyTerm.
+    int n_chunks() const;
+    void product_chunk(BodyWorkspace& ws, const double* p, int k) const;
+    void add_product(const BodyWorkspace& ws, int begin, int end, double* out) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     void filter(BodyWorkspace& ws) const;
     // Stiffness of each active cell along x, y, z for a scalar Laplacian that stands for the Hessian (Pa).

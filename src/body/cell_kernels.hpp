@@ -56,7 +56,7 @@ inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx, do
     V3 c[8];
     for (int k = 0; k < 8; ++k) {
         const int* index = nodes + k * kBlock;
-        c[k] = {gather(q, index), gather(q + 1, index), gather(q + 2, index)};
+        load_three(q, index, c[k].x, c[k].y, c[k].z);
     }
     Gradient f;
     const V3 ex[2][2] = {{c[4] - c[0], c[5] - c[1]}, {c[6] - c[2], c[7] - c[3]}};
@@ -81,10 +81,7 @@ inline void scatter(const Gradient& p, double inv_dx, double* force) {
             for (int iz = 0; iz < 2; ++iz) {
                 const double sx = ix ? 1.0 : -1.0, sy = iy ? 1.0 : -1.0, sz = iz ? 1.0 : -1.0;
                 const V3 f = sx * ex[iy][iz] + sy * ey[ix][iz] + sz * ez[ix][iy];
-                double* out = force + (4 * ix + 2 * iy + iz) * 3 * kBlock;
-                store(out, f.x);
-                store(out + kBlock, f.y);
-                store(out + 2 * kBlock, f.z);
+                store_three(force + (4 * ix + 2 * iy + iz) * 4 * kBlock, f.x, f.y, f.z);
             }
 }
 

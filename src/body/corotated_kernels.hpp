@@ -84,7 +84,7 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
                             lane;
                         store_twist(out, r, k);
                     }
-            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
             block_energy += sum_lanes(0.5 * w * e);
         }
         energy[block] = block_energy;
@@ -120,7 +120,7 @@ void corotated_product(const double* p, const int* nodes, const double* weight, 
                     s.y[a][b] = w * s.y[a][b];
                     s.z[a][b] = w * s.z[a][b];
                 }
-            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
         }
     }
 }
@@ -180,7 +180,7 @@ void volume_gradient(const double* q, const int* nodes, const double* weight, co
             rotation(c, r, &det);
             const V trace = dot(r[0], c[0]) + dot(r[1], c[1]) + dot(r[2], c[2]) - 3.0;
             const V3 p[3] = {(w * trace) * r[0], (w * trace) * r[1], (w * trace) * r[2]};
-            scatter(from_centre(p), inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(from_centre(p), inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
             block_energy += sum_lanes(0.5 * w * trace * trace);
             if (!cache) continue;
             double* out = cache + static_cast<long>(block) * kVolumePoint * kBlock + lane;
@@ -207,7 +207,7 @@ void volume_product(const double* p, const int* nodes, const double* weight, dou
             const V change = w * (dot(r[0], f[0]) + dot(r[1], f[1]) + dot(r[2], f[2]));
             const V trace = w * load(in + 15 * kBlock);
             const V3 s[3] = {change * r[0] + trace * d[0], change * r[1] + trace * d[1], change * r[2] + trace * d[2]};
-            scatter(from_centre(s), inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(from_centre(s), inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
         }
     }
 }

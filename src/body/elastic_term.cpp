@@ -70,15 +70,21 @@ double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, 
                           ws.energy.data(), ws.cache.data(), &inverted[static_cast<std::size_t>(begin / kBodyGrain)]);
     });
     ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
-    cells_.add_to_nodes(ws.force.data(), out, threads);
+    cells_.gather().add(ws.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
-void ElasticTerm::product(TermWorkspace& ws, const double* p, Threads threads, double* out) const {
-    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(), ws.force.data());
-    });
-    cells_.add_to_nodes(ws.force.data(), out, threads);
+int ElasticTerm::n_chunks() const {
+    return (cells_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
+}
+
+void ElasticTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
+    const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, cells_.n_blocks());
+    kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(), ws.force.data());
+}
+
+void ElasticTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
+    cells_.gather().add(ws.force.data(), 1.0, begin, end, out);
 }
 
 void ElasticTerm::filter(TermWorkspace& ws) const {

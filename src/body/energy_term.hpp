@@ -33,8 +33,11 @@ public:
     // Energy; out [n_nodes][3] += dE/dq. Fills the linearisation.
     virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
                             double* out) const = 0;
-    // out += H p at the last gradient.
-    virtual void product(TermWorkspace& ws, const double* p, Threads threads, double* out) const = 0;
+    // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
+    // then out += their sums on the nodes [begin, end).
+    virtual int n_chunks() const = 0;
+    virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
+    virtual void add_product(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     virtual void filter(TermWorkspace& ws) const = 0;
     // Adds the stiffness of each cell along x, y, z that a scalar Laplacian should carry: [n_cells] (Pa).

@@ -2,7 +2,7 @@
 // Kernels of the body's energies over blocks of 8 cells (structure of arrays), one table per instruction set.
 //
 // A cell is a Q1 hexahedron with corners 4 ix + 2 iy + iz and 2 x 2 x 2 Gauss points in the same order. `nodes` holds
-// 3 * (node index) as [block][8 corners][8 lanes]; forces come out as [block][8 corners][3][8 lanes] and are summed
+// 3 * (node index) as [block][8 corners][8 lanes]; forces come out as [block][8 corners][8 lanes][4] and are summed
 // onto nodes by NodeGather. Padding lanes repeat a real cell with weight 0.
 //
 // Elastic energies, weight = modulus * V / points, summed over 8 Gauss points or taken at the cell's centre (selective
@@ -20,7 +20,7 @@
 namespace dqa {
 
 constexpr int kMuscleCache = 8 * 5 * 8;
-constexpr int kCellForce = 24 * 8;
+constexpr int kCellForce = 8 * 8 * 4;
 
 enum class ElasticKind : int { corotated = 0, corotated_volume = 1, neo_hookean = 2, neo_hookean_volume = 3 };
 

@@ -52,7 +52,7 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
                 store(out + 3 * kBlock, c1);
                 store(out + 4 * kBlock, w * ratio * inv);
             }
-            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
             block_energy += sum_lanes(0.5 * w * e);
         }
         energy[block] = block_energy;
@@ -76,7 +76,7 @@ void muscle_product(const double* p, const int* nodes, const double* direction, 
                 const V3 d = along(f, gx, gy, gz, m);
                 add_outer(s, gx, gy, gz, m, c1 * d + (c2 * dot(t, d)) * t);
             }
-            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
         }
     }
 }

@@ -46,16 +46,22 @@ double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* si
         kernels_.muscle_gradient(q, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin,
                                  end, ws.force.data(), ws.energy.data(), ws.cache.data());
     });
-    entries_.add_to_nodes(ws.force.data(), out, threads);
+    entries_.gather().add(ws.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
-void MuscleTerm::product(TermWorkspace& ws, const double* p, Threads threads, double* out) const {
-    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.muscle_product(p, entries_.nodes(), direction_.data(), inv_dx_, begin, end, ws.cache.data(),
-                                ws.force.data());
-    });
-    entries_.add_to_nodes(ws.force.data(), out, threads);
+int MuscleTerm::n_chunks() const {
+    return (entries_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
+}
+
+void MuscleTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
+    const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, entries_.n_blocks());
+    kernels_.muscle_product(p, entries_.nodes(), direction_.data(), inv_dx_, begin, end, ws.cache.data(),
+                            ws.force.data());
+}
+
+void MuscleTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
+    entries_.gather().add(ws.force.data(), 1.0, begin, end, out);
 }
 
 // Drops compressive transverse stiffness and keeps w along the fibre.

@@ -24,7 +24,9 @@ public:
     const char* name() const override { return "muscle"; }
     double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
                     double* out) const override;
-    void product(TermWorkspace& ws, const double* p, Threads threads, double* out) const override;
+    int n_chunks() const override;
+    void product_chunk(TermWorkspace& ws, const double* p, int k) const override;
+    void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override;
     void filter(TermWorkspace& ws) const override;
     void precondition(std::vector<Vec3>& stiffness) const override;
     void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,

@@ -57,7 +57,7 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
                 store(out + 9 * kBlock, a);
                 store(out + 10 * kBlock, 2.0 * inv * inv);
             }
-            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
             block_energy += sum_lanes(0.5 * w * e);
         }
         energy[block] = block_energy;
@@ -85,7 +85,7 @@ void neo_product(const double* p, const int* nodes, const double* weight, double
                 s.y[gx][gz] = s.y[gx][gz] + (a * d[1] + b * c[1]);
                 s.z[gx][gy] = s.z[gx][gy] + (a * d[2] + b * c[2]);
             }
-            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
         }
     }
 }
@@ -125,7 +125,7 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
             const V3 k[3] = {cross(c[1], c[2]), cross(c[2], c[0]), cross(c[0], c[1])};
             const V alpha = load(shift + block * kBlock + lane), excess = dot(c[0], k[0]) - alpha;
             const V3 p[3] = {(w * excess) * k[0], (w * excess) * k[1], (w * excess) * k[2]};
-            scatter(from_centre(p), inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(from_centre(p), inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
             block_energy += sum_lanes(0.5 * w * (excess * excess - (1.0 - alpha) * (1.0 - alpha)));  // 0 at rest
             if (!cache) continue;
             double* out = cache + static_cast<long>(block) * kJacobianPoint * kBlock + lane;
@@ -152,7 +152,7 @@ void jacobian_product(const double* p, const int* nodes, const double* weight, d
             const V3 s[3] = {change * k[0] + geometric * (cross(d[1], c[2]) + cross(c[1], d[2])),
                              change * k[1] + geometric * (cross(d[2], c[0]) + cross(c[2], d[0])),
                              change * k[2] + geometric * (cross(d[0], c[1]) + cross(c[0], d[1]))};
-            scatter(from_centre(s), inv_dx, force + static_cast<long>(block) * kCellForce + lane);
+            scatter(from_centre(s), inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
         }
     }
 }

@@ -66,13 +66,9 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
     for (int e = 0; e < n_elements_; ++e)
         for (int k = 0; k < 8; ++k) {
             node.push_back(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
-            place.push_back(((e / 8) * 8 + k) * 24 + e % 8);
+            place.push_back(4 * (((e / 8) * 8 + k) * 8 + e % 8));
         }
     gather_ = NodeGather(n_nodes_, node, place);
-}
-
-void BlockLayout::add_to_nodes(const double* element_force, double* out, Threads threads) const {
-    gather_.add<kBlockLanes>(element_force, 1.0, out, threads);
 }
 
 std::vector<double> BlockLayout::blocked(const std::vector<double>& values) const {

@@ -39,8 +39,8 @@ public:
     int n_nodes() const { return n_nodes_; }
     // 3 * node as [block][8 corners][8 lanes]; padding lanes repeat the last element.
     const int* nodes() const { return nodes_.data(); }
-    // out[node][3] += sum of element forces, laid out [block][8 corners][3][8 lanes].
-    void add_to_nodes(const double* element_force, double* out, Threads threads) const;
+    // Sums element forces, laid out [block][8 corners][8 lanes][4], onto nodes.
+    const NodeGather& gather() const { return gather_; }
     // values [n_elements] -> [block][8], padding lanes 0.
     std::vector<double> blocked(const std::vector<double>& values) const;
 

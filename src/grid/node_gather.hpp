@@ -9,25 +9,29 @@
 
 namespace dqa {
 
+constexpr int kNodeGrain = 512;  // nodes a chunk
+
 class NodeGather {
 public:
     NodeGather() = default;
-    // Entry k: node[k] receives the vector whose x component lies at place[k] of the element array.
+    // Entry k: node[k] receives the vector at place[k] of the element array.
     NodeGather(int n_nodes, const std::vector<int>& node, const std::vector<int>& place);
 
-    // out[node][3] += scale * sum of the node's entries, whose components lie Stride apart.
-    template <int Stride>
-    void add(const double* values, double scale, double* out, Threads threads) const {
-        parallel_chunks(threads, static_cast<int>(start_.size()) - 1, 512, [&](int begin, int end) {
-            for (int n = begin; n < end; ++n) {
-                double x = 0.0, y = 0.0, z = 0.0;
-                for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
-                    const double* v = values + place_[static_cast<std::size_t>(s)];
-                    x += v[0], y += v[Stride], z += v[2 * Stride];
-                }
-                out[3 * n] += scale * x, out[3 * n + 1] += scale * y, out[3 * n + 2] += scale * z;
+    int n_nodes() const { return static_cast<int>(start_.size()) - 1; }
+    // out[node][3] += scale * sum of the node's entries, for nodes [begin, end).
+    void add(const double* values, double scale, int begin, int end, double* out) const {
+        for (int n = begin; n < end; ++n) {
+            double x = 0.0, y = 0.0, z = 0.0;
+            for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
+                const double* v = values + place_[static_cast<std::size_t>(s)];
+                x += v[0], y += v[1], z += v[2];
             }
-        });
+            out[3 * n] += scale * x, out[3 * n + 1] += scale * y, out[3 * n + 2] += scale * z;
+        }
+    }
+    void add(const double* values, double scale, double* out, Threads threads) const {
+        parallel_chunks(threads, n_nodes(), kNodeGrain,
+                        [&](int begin, int end) { add(values, scale, begin, end, out); });
     }
 
 private:

@@ -34,10 +34,66 @@ typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
 [[maybe_unused]] inline V broadcast(double x) {
     return V{} + x;
 }
-[[maybe_unused]] inline V gather(const double* p, const int* index) {
-    V v;
-    for (int l = 0; l < kLanes; ++l) v[l] = p[index[l]];
-    return v;
+// Components of three-vectors [.][3] that start at p[index[lane]].
+[[maybe_unused]] inline void load_three(const double* p, const int* index, V& x, V& y, V& z) {
+#if defined(__AVX512F__)
+    __m256d row[8];
+    for (int l = 0; l < 8; ++l) row[l] = _mm256_maskz_loadu_pd(7, p + index[l]);
+    const V r04 = (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(row[0]), row[4], 1);
+    const V r15 = (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(row[1]), row[5], 1);
+    const V r26 = (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(row[2]), row[6], 1);
+    const V r37 = (V)_mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(row[3]), row[7], 1);
+    const V xz01 = __builtin_shuffle(r04, r15, Mask{0, 8, 2, 10, 4, 12, 6, 14});
+    const V xz23 = __builtin_shuffle(r26, r37, Mask{0, 8, 2, 10, 4, 12, 6, 14});
+    const V y01 = __builtin_shuffle(r04, r15, Mask{1, 9, 3, 11, 5, 13, 7, 15});
+    const V y23 = __builtin_shuffle(r26, r37, Mask{1, 9, 3, 11, 5, 13, 7, 15});
+    x = __builtin_shuffle(xz01, xz23, Mask{0, 1, 8, 9, 4, 5, 12, 13});
+    y = __builtin_shuffle(y01, y23, Mask{0, 1, 8, 9, 4, 5, 12, 13});
+    z = __builtin_shuffle(xz01, xz23, Mask{2, 3, 10, 11, 6, 7, 14, 15});
+#elif defined(__AVX2__)
+    const __m256i three = _mm256_setr_epi64x(-1, -1, -1, 0);
+    V row[4];
+    for (int l = 0; l < 4; ++l) row[l] = (V)_mm256_maskload_pd(p + index[l], three);
+    const V xz01 = __builtin_shuffle(row[0], row[1], Mask{0, 4, 2, 6});
+    const V xz23 = __builtin_shuffle(row[2], row[3], Mask{0, 4, 2, 6});
+    const V y01 = __builtin_shuffle(row[0], row[1], Mask{1, 5, 3, 7});
+    const V y23 = __builtin_shuffle(row[2], row[3], Mask{1, 5, 3, 7});
+    x = __builtin_shuffle(xz01, xz23, Mask{0, 1, 4, 5});
+    y = __builtin_shuffle(y01, y23, Mask{0, 1, 4, 5});
+    z = __builtin_shuffle(xz01, xz23, Mask{2, 3, 6, 7});
+#else
+    x = y = z = V{};
+    for (int l = 0; l < kLanes; ++l) x[l] = p[index[l]], y[l] = p[index[l] + 1], z[l] = p[index[l] + 2];
+#endif
+}
+// The transpose: out [lane][4] = (x, y, z, 0).
+[[maybe_unused]] inline void store_three(double* out, V x, V y, V z) {
+#if defined(__AVX512F__)
+    const V zero = V{};
+    const V xy_even = __builtin_shuffle(x, y, Mask{0, 8, 2, 10, 4, 12, 6, 14});
+    const V xy_odd = __builtin_shuffle(x, y, Mask{1, 9, 3, 11, 5, 13, 7, 15});
+    const V z_even = __builtin_shuffle(z, zero, Mask{0, 8, 2, 8, 4, 8, 6, 8});
+    const V z_odd = __builtin_shuffle(z, zero, Mask{1, 8, 3, 8, 5, 8, 7, 8});
+    const V r02 = __builtin_shuffle(xy_even, z_even, Mask{0, 1, 8, 9, 2, 3, 10, 11});
+    const V r13 = __builtin_shuffle(xy_odd, z_odd, Mask{0, 1, 8, 9, 2, 3, 10, 11});
+    const V r46 = __builtin_shuffle(xy_even, z_even, Mask{4, 5, 12, 13, 6, 7, 14, 15});
+    const V r57 = __builtin_shuffle(xy_odd, z_odd, Mask{4, 5, 12, 13, 6, 7, 14, 15});
+    store(out, __builtin_shuffle(r02, r13, Mask{0, 1, 2, 3, 8, 9, 10, 11}));
+    store(out + 8, __builtin_shuffle(r02, r13, Mask{4, 5, 6, 7, 12, 13, 14, 15}));
+    store(out + 16, __builtin_shuffle(r46, r57, Mask{0, 1, 2, 3, 8, 9, 10, 11}));
+    store(out + 24, __builtin_shuffle(r46, r57, Mask{4, 5, 6, 7, 12, 13, 14, 15}));
+#elif defined(__AVX2__)
+    const V zero = V{};
+    const V xy_even = __builtin_shuffle(x, y, Mask{0, 4, 2, 6}), xy_odd = __builtin_shuffle(x, y, Mask{1, 5, 3, 7});
+    const V z_even = __builtin_shuffle(z, zero, Mask{0, 4, 2, 4}), z_odd = __builtin_shuffle(z, zero, Mask{1, 4, 3, 4});
+    store(out, __builtin_shuffle(xy_even, z_even, Mask{0, 1, 4, 5}));
+    store(out + 4, __builtin_shuffle(xy_odd, z_odd, Mask{0, 1, 4, 5}));
+    store(out + 8, __builtin_shuffle(xy_even, z_even, Mask{2, 3, 6, 7}));
+    store(out + 12, __builtin_shuffle(xy_odd, z_odd, Mask{2, 3, 6, 7}));
+#else
+    for (int l = 0; l < kLanes; ++l)
+        out[4 * l] = x[l], out[4 * l + 1] = y[l], out[4 * l + 2] = z[l], out[4 * l + 3] = 0;
+#endif
 }
 [[maybe_unused]] inline V square_root(V v) {
 #if defined(__AVX512F__)

@@ -73,7 +73,7 @@ void Design::assemble() {
     }
     muscles_ = Muscles(*space_, point_, set_, occupancy_, muscle_stiffness);
     body_ = std::make_unique<Body>(set_, elasticity, muscles_.entries(), scene.contraction, scene.instructions);
-    if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics);
+    if (scene.water) water_ = std::make_unique<Water>(set_, occupancy_, scene.hydrodynamics, scene.instructions);
     sensors_ = Sensors(set_, point_.p_hat, space_->axis_y(), space_->axis_z());
     make_spine();
     make_constraints();

@@ -95,11 +95,24 @@ void Stepper::precondition(const double* in, double* out) {
     mask(out);
 }
 
+// In two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
 void Stepper::full_product(const double* p, double* out) {
     const double inv_h2 = 1.0 / (beta_ * beta_);
-    for (std::size_t i = 0; i < size_; ++i) out[i] = design_->mass()[i / 3] * inv_h2 * p[i];
-    design_->body().product(body_, p, threads_, out);
-    if (const Water* water = design_->water()) water->product(water_, p, beta_, threads_, out);
+    const Body& body = design_->body();
+    const Water* water = design_->water();
+    const int of_body = body.n_chunks(), of_water = water ? water->n_chunks() : 0;
+    parallel_chunks(threads_, of_body + of_water, 1, [&](int k, int) {
+        if (k < of_body)
+            body.product_chunk(body_, p, k);
+        else
+            water->product_chunk(water_, p, beta_, k - of_body);
+    });
+    const double* mass = design_->mass().data();
+    parallel_chunks(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        for (int i = 3 * begin; i < 3 * end; ++i) out[i] = mass[i / 3] * inv_h2 * p[i];
+        body.add_product(body_, begin, end, out);
+        if (water) water->add_product(water_, begin, end, out);
+    });
 }
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "water/water.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,8 +37,11 @@ Vec3 mean_of(const double* q, const std::array<int, 4>& nodes) {
 
 }  // namespace
 
-Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings)
-    : settings_(settings), laws_(settings.drag, settings.thrust, settings.angle_smoothing) {
+Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings,
+             InstructionSet instructions)
+    : settings_(settings),
+      laws_(settings.drag, settings.thrust, settings.angle_smoothing),
+      kernels_(water_kernels(instructions)) {
     const Box& box = set.box;
     const double eps = settings.surface_smoothing;
     const auto add = [&](int low, int high, const std::array<std::array<int, 3>, 4>& corners) {
@@ -81,15 +85,21 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
     }
     std::vector<int> node, place;
     for (std::size_t f = 0; f < faces_.size(); ++f)
-        for (const int n : faces_[f].nodes) node.push_back(n / 3), place.push_back(3 * static_cast<int>(f));
+        for (const int n : faces_[f].nodes) node.push_back(n / 3), place.push_back(4 * static_cast<int>(f));
     gather_ = NodeGather(set.n_nodes(), node, place);
+    const std::size_t blocks = (faces_.size() + 7) / 8;
+    nodes_.resize(32 * blocks);
+    for (std::size_t f = 0; f < 8 * blocks; ++f)
+        for (std::size_t k = 0; k < 4; ++k)
+            nodes_[f / 8 * 32 + 8 * k + f % 8] = faces_[std::min(f, faces_.size() - 1)].nodes[k];
 }
 
 void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
                 Threads threads) const {
     const std::size_t nf = faces_.size();
-    ws.cd.resize(nf), ws.ct.resize(nf), ws.k.resize(nf), ws.n.resize(3 * nf), ws.area.resize(nf), ws.u.resize(3 * nf);
-    ws.force.resize(3 * nf);
+    const std::size_t room = (nf + 7) / 8 * 8;
+    ws.cd.resize(room), ws.ct.resize(room), ws.k.resize(nf), ws.n.resize(3 * room), ws.area.resize(nf);
+    ws.u.resize(3 * nf), ws.force.resize(4 * room);
     ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
@@ -106,7 +116,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double x = dot(a, u) / (area * speed);
             const double w = half_rho * std::fabs(f.weight) * area * counted(x);
             ws.area[i] = area;
-            for (std::size_t k = 0; k < 3; ++k) ws.n[3 * i + k] = a[k] / area, ws.u[3 * i + k] = u[k];
+            for (std::size_t k = 0; k < 3; ++k) ws.n[i / 8 * 24 + 8 * k + i % 8] = a[k] / area, ws.u[3 * i + k] = u[k];
             ws.cd[i] = w * laws_.drag(x).value * speed;
             ws.ct[i] = w * laws_.thrust_slope(x).value * lateral2 / speed;
             ws.k[i] = w * laws_.thrust_rest() * lateral2;
@@ -138,9 +148,9 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
         double e = 0.0;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
-            const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
+            const Vec3 n = ws.normal(i);
             const double nu = dot(n, u);
-            double* force = ws.force.data() + 3 * i;
+            double* force = ws.force.data() + 4 * i;
             for (std::size_t k = 0; k < 3; ++k) force[k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
             if (settings_.explicit_forces) {
                 const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
@@ -151,21 +161,28 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
         }
         return e;
     });
-    gather_.add<1>(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
+    gather_.add(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
     return energy;
 }
 
 void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
-    if (settings_.explicit_forces) return;  // constant during the step
-    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
-        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-            const Vec3 u = mean_of(p, faces_[i].nodes);
-            const double* n = ws.n.data() + 3 * i;
-            const double nu = (n[0] * u[0] + n[1] * u[1] + n[2] * u[2]) * ws.ct[i] / h;
-            for (std::size_t k = 0; k < 3; ++k) ws.force[3 * i + k] = ws.cd[i] / h * u[k] + nu * n[k];
-        }
-    });
-    gather_.add<1>(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, h, k); });
+    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
+                    [&](int begin, int end) { add_product(ws, begin, end, out); });
+}
+
+int Water::n_chunks() const {
+    if (settings_.explicit_forces) return 0;  // constant during the step
+    return (n_faces() + kGrain - 1) / kGrain;
+}
+
+void Water::product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const {
+    const int begin = k * (kGrain / 8), end = std::min(begin + kGrain / 8, (n_faces() + 7) / 8);
+    kernels_.product(p, nodes_.data(), ws.cd.data(), ws.ct.data(), ws.n.data(), 1.0 / h, begin, end, ws.force.data());
+}
+
+void Water::add_product(const WaterWorkspace& ws, int begin, int end, double* out) const {
+    if (!settings_.explicit_forces) gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
 }
 
 template <class F>
@@ -178,7 +195,7 @@ void Water::pull_back(WaterWorkspace& ws, const double* q_new, const double* q_b
         const Face& f = faces_[i];
         const Vec3 un = force_velocity(ws, i, q_new, q_base, 1.0 / h);
         const auto [l, m] = vectors(f);
-        const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i)), u = at(ws.u.data(), static_cast<int>(3 * i));
+        const Vec3 n = ws.normal(i), u = at(ws.u.data(), static_cast<int>(3 * i));
         const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
         const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
         Vec3 n_bar{};
@@ -249,7 +266,7 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
     double wet = 0.0;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
-        const Vec3 n = at(ws.n.data(), static_cast<int>(3 * i));
+        const Vec3 n = ws.normal(i);
         t.drag = axpy(-ws.cd[i], u, t.drag);
         t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);
         wet += std::fabs(faces_[i].weight) * ws.area[i];

@@ -22,6 +22,7 @@
 #include "grid/active_set.hpp"
 #include "grid/node_gather.hpp"
 #include "grid/parallel.hpp"
+#include "water/kernels.hpp"
 #include "water/laws.hpp"
 
 namespace dqa {
@@ -38,11 +39,17 @@ struct WaterSettings {
     bool windward_only = false;
 };
 
-// Lagged coefficients of every face, [n_faces] each; n [n_faces][3]; and the state they came from.
+// Lagged coefficients of every face, [n_faces] each, and the state they came from. What products need has room for
+// whole blocks of 8 faces, zero beyond the last; n as [block][3][8].
 struct WaterWorkspace {
     std::vector<double> cd, ct, k, n;
     std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
-    std::vector<double> force;    // [n_faces][3], scratch of gradient and product
+    std::vector<double> force;    // [n_faces][4], scratch of gradient and product
+
+    Vec3 normal(std::size_t face) const {
+        const double* at = n.data() + face / 8 * 24 + face % 8;
+        return {at[0], at[8], at[16]};
+    }
     Vec3 spine{}, current{};
 };
 
@@ -61,7 +68,8 @@ struct WaterTotals {
 class Water {
 public:
     // occupancy [n_active_cells]; cells outside the active set count as 0.
-    Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings);
+    Water(const ActiveSet& set, const std::vector<double>& occupancy, const WaterSettings& settings,
+          InstructionSet instructions = InstructionSet::automatic);
 
     int n_faces() const { return static_cast<int>(faces_.size()); }
     const WaterSettings& settings() const { return settings_; }
@@ -76,6 +84,11 @@ public:
                     double* out) const;
     // out += H p.
     void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
+    // The same in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then out += their sums
+    // on the nodes [begin, end).
+    int n_chunks() const;
+    void product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const;
+    void add_product(const WaterWorkspace& ws, int begin, int end, double* out) const;
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
     // positions) q_bar, v_bar and spine_bar, current_bar, parameter_bar, and occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
@@ -114,7 +127,9 @@ private:
     WaterSettings settings_;
     WaterLaws laws_;
     std::vector<Face> faces_;
-    NodeGather gather_;  // of the faces
+    const WaterKernels& kernels_;
+    std::vector<int> nodes_;  // of the faces, [block][4][8]
+    NodeGather gather_;       // of the faces
 };
 
 }  // namespace dqa

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define DQA_KERNEL_TABLE water_kernels_avx2
+#include "water/kernels_source.hpp"
