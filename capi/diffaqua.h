@@ -75,7 +75,8 @@ typedef void (*dqa_log_handler)(int32_t level, const char *message, void *user_d
 /* Process-wide; NULL handler silences the library, which is the default. Safe from any thread; a message under way in
  * another thread may still reach the handler that is replaced, so keep its user_data for as long as such calls run.
  * The handler may call the library. Texts are for people and may change. Messages: WARNING for input or a way of
- * solving that one would not expect (mended meshes, an adjoint that fell back on a factorisation); INFO for each
+ * solving that one would not expect (mended meshes, a step whose method failed and another one did not, an adjoint that
+ * fell back on a factorisation); INFO for each
  * design; DEBUG for each barycentre and step. */
 DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void *user_data);
 
@@ -310,7 +311,8 @@ typedef struct dqa_simulator_options {
     int32_t threads;             /* >= 1; the bits of every result are the same for any number; default 1 */
     int32_t method;              /* DQA_METHOD_* */
     int32_t water;               /* DQA_WATER_* */
-    int32_t max_newton;          /* Newton iterations per step; default 50 */
+    int32_t max_newton;          /* Newton iterations per step; default 50. Where the method fails, another one may take
+                                    10 (max_newton - 1) more from there, and as many from the step's start */
     int32_t max_linear;          /* conjugate-gradient iterations per linear solve, or L-BFGS iterations per step; default
                                     2000 */
     int32_t instruction_set;     /* 0 automatic (default), 1 baseline, 2 AVX2, 3 AVX-512: speed only */
@@ -626,6 +628,8 @@ typedef struct dqa_tape_statistics {
     double worst_adjoint_residual;  /* largest relative residual of the adjoint's linear solves */
     int64_t checkpoints;         /* states held by the tape: steps + 1 while all of them are */
     int64_t recomputed_steps;    /* steps computed again by backward sweeps and reads so far */
+    int64_t rescued_steps;       /* recorded steps in which the method of the options failed and another one, slower and
+                                    for the same equations, found the answer */
 } dqa_tape_statistics;
 /* `size` is sizeof(dqa_tape_statistics) as the caller compiled it. */
 DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);

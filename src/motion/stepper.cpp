@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Cholesky>
 #include <limits>
 
 #include "body/fibre_turn.hpp"
@@ -14,16 +15,28 @@ namespace dqa {
 namespace {
 
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
-constexpr double kNoise = 200.0;      // residuals below this multiple of the rounding level may stagnate
+constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
+constexpr double kBalance = 10.0;     // tolerances of the way moved that a step leaves free in rigid motion
 
 double norm(const double* a, std::size_t n) {
     return std::sqrt(ordered_dot(a, a, n));
 }
 
+RigidBalance::Free free_motions(const Design& design) {
+    const SceneSettings& scene = design.scene();
+    const bool planar = scene.planar || design.space().box().dims == 2;
+    const std::size_t plane = planar ? static_cast<std::size_t>(design.n_nodes()) : 0;
+    if (design.constrained().size() > plane) return RigidBalance::Free::none;  // nodes are fixed
+    return planar ? RigidBalance::Free::plane : RigidBalance::Free::space;
+}
+
 }  // namespace
 
 Stepper::Stepper(std::shared_ptr<const Design> design)
-    : design_(std::move(design)), scene_(design_->scene()), size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
+    : design_(std::move(design)),
+      scene_(design_->scene()),
+      free_(free_motions(*design_)),
+      size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
     for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
         v->assign(size_, 0.0);
 }
@@ -68,14 +81,15 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
         gradient_[i] = f;
     }
     e.energy += inertia;
-    e.scale += std::sqrt(inertia2);
+    e.outer = std::sqrt(inertia2);
     if (const Water* water = design_->water()) {
         std::fill(trial_.begin(), trial_.end(), 0.0);
         e.energy += water->gradient(water_, q_new, base_.data(), beta_, threads_, trial_.data());
-        e.scale += norm(trial_.data(), size_);
+        e.outer += norm(trial_.data(), size_);
         for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
     }
     for (std::size_t i = 0; i < size_; ++i) gradient_[i] += elastic_[i] + muscle_[i];
+    e.scale += e.outer;
     mask(gradient_.data());
     e.residual = norm(gradient_.data(), size_);
     e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
@@ -229,10 +243,9 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     for (const int i : design_->constrained()) x[static_cast<std::size_t>(i)] = before.q[static_cast<std::size_t>(i)];
     Evaluation now = evaluate(x.data(), input.signals);
     if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
-    if (scene_.method == Method::projective)
-        descend_quasi_newton(x, now, input.signals, step, report);
-    else
-        descend_newton(x, now, input.signals, step, report);
+    const char* why = scene_.method == Method::projective ? descend_quasi_newton(x, now, input.signals, step, report)
+                                                          : descend_newton(x, now, input.signals, step, report);
+    if (why) rescue(before, x, now, input.signals, step, why, report);
     // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
     report.residual = scale > 0 ? now.residual / scale : 0.0;
@@ -245,12 +258,87 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     return report;
 }
 
+// The residual to reach. In a stiff body the forces of tissue and muscles are far larger than what is left of them to
+// move it: then that is what a residual is small against. Otherwise the gradient, whose parts cancel in the same way,
+// would come out wrong at a state that looks right.
+double Stepper::target(const Evaluation& now) const {
+    return std::max(scene_.tolerance * std::min(now.scale, kOuter * now.outer), noise_);
+}
+
 bool Stepper::converged(const Evaluation& now) const {
-    return now.residual <= std::max(scene_.tolerance * now.scale, noise_);
+    return now.residual <= target(now);
+}
+
+// The forces on the nodes and those on the body as a whole are both in balance. Where only the latter are not, the body
+// is moved as a whole, which leaves its internal forces as they are.
+bool Stepper::settled(std::vector<double>& x, Evaluation& now, const double* signals) {
+    return converged(now) && balance(x, now, signals);
+}
+
+bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* signals) {
+    if (free_ == RigidBalance::Free::none) return true;
+    const std::vector<double>& mass = design_->mass();
+    const double b2 = beta_ * beta_;
+    for (int k = 0; k < 4 && converged(now); ++k) {
+        const RigidBalance whole(free_, mass, x.data());
+        double way2 = 0.0, places2 = 0.0;
+        for (std::size_t i = 0; i < size_; ++i) {
+            way2 += mass[i / 3] * (x[i] - base_[i]) * (x[i] - base_[i]);
+            places2 += mass[i / 3] * x[i] * x[i];
+        }
+        double lever2 = 0.0;  // rounding of forces adds up over it
+        for (std::size_t m = 0; m < whole.size(); ++m) {
+            double longest = 0.0;
+            for (const double u : whole.field(m)) longest = std::max(longest, std::fabs(u));
+            lever2 += longest * longest;
+        }
+        const double allowed = kBalance * scene_.tolerance * std::sqrt(way2) +
+                               std::numeric_limits<double>::epsilon() * std::sqrt(places2) +
+                               b2 * noise_ * std::sqrt(lever2);
+        const std::vector<double> sums = whole.sums(gradient_.data());
+        const double free = b2 * norm(sums.data(), sums.size());
+        if (free <= allowed) return true;
+        // Newton's step within the rigid motions.
+        const Eigen::Index n = static_cast<Eigen::Index>(whole.size());
+        Eigen::MatrixXd h(n, n);
+        for (Eigen::Index m = 0; m < n; ++m) {
+            apply_hessian(whole.field(static_cast<std::size_t>(m)).data(), trial_.data());
+            const std::vector<double> column = whole.sums(trial_.data());
+            h.col(m) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
+        }
+        const Eigen::LLT<Eigen::MatrixXd> factor(0.5 * (h + h.transpose()));
+        const Eigen::Map<const Eigen::VectorXd> right(sums.data(), n);
+        const Eigen::VectorXd c =
+            factor.info() == Eigen::Success ? Eigen::VectorXd(-factor.solve(right)) : Eigen::VectorXd(-b2 * right);
+        candidate_ = x;
+        whole.move({c.data(), c.data() + n}, candidate_.data());
+        const Evaluation next = evaluate(candidate_.data(), signals);
+        const bool better = next.finite && whole.norm_of(gradient_.data()) * b2 <= 0.5 * free;
+        if (!better) {
+            now = evaluate(x.data(), signals);
+            return now.residual <= kNoise * noise_;  // the rounding of the positions
+        }
+        x.swap(candidate_);
+        now = next;
+    }
+    return false;
+}
+
+// How exactly a linear system is solved: as far as this iteration can use.
+double Stepper::forcing(const Evaluation& now) const {
+    const double enough = target(now);
+    if (now.residual <= enough) return 0.01;  // it is the body as a whole that is not in balance
+    return std::max(0.3 * enough / now.residual, std::min(0.1, std::sqrt(now.residual / now.scale)));
 }
 
 void Stepper::check_cancelled(long step) const {
     if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
+}
+
+// Changes of the energy below this are rounding: its own, and that of positions, which carry one that the forces turn
+// into energy; close to rest it outweighs the rest.
+double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now) const {
+    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * norm(x.data(), size_);
 }
 
 // Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
@@ -258,9 +346,7 @@ void Stepper::check_cancelled(long step) const {
 bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
     const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
     // Near the solution the energy's change drowns in its rounding; there the residual decides.
-    // Positions carry a rounding of their own, which the forces turn into energy: close to rest it outweighs the rest.
-    const double places = 1e-15 * now.scale * norm(x.data(), size_);
-    const double energy_noise = 1e-13 * (std::fabs(now.energy) + std::fabs(slope)) + places;
+    const double noise = energy_noise(x, now) + 1e-13 * std::fabs(slope);
     candidate_.resize(size_);
     double t = 1.0;
     for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
@@ -268,7 +354,7 @@ bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double*
         const Evaluation next = evaluate(candidate_.data(), signals);
         if (!next.finite) continue;
         if (next.energy <= now.energy + 1e-4 * t * slope ||
-            (next.energy <= now.energy + energy_noise && next.residual < now.residual)) {
+            (next.energy <= now.energy + noise && next.residual < now.residual)) {
             x.swap(candidate_);
             now = next;
             return true;
@@ -278,50 +364,45 @@ bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double*
     return false;
 }
 
-void Stepper::descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
-                             StepReport& report) {
+const char* Stepper::descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                                    StepReport& report) {
     bool force_filter = false;
     double previous = std::numeric_limits<double>::infinity();
-    while (!converged(now)) {
+    while (!settled(x, now, signals)) {
         // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
         if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
         previous = now.residual;
         check_cancelled(step);
-        if (report.newton_iterations >= scene_.max_newton)
-            fail_step(Status::NOT_CONVERGED, step, "Newton's method reached max_newton", now.residual / now.scale);
+        if (report.newton_iterations >= scene_.max_newton) return "Newton's method reached max_newton";
         ++report.newton_iterations;
-        const double relative = now.residual / now.scale;
-        const double target = std::max(scene_.tolerance * now.scale, noise_);
-        const double forcing = std::max(0.3 * target / now.residual, std::min(0.1, std::sqrt(relative)));
-        const bool found = !force_filter && newton_direction(forcing, report);
+        const double enough = forcing(now);
+        const bool found = !force_filter && newton_direction(enough, report);
         const bool filtered = !found;
         if (filtered) {
             design_->body().filter(body_);
             ++report.filtered;
-            if (!newton_direction(forcing, report))
-                fail_step(Status::NOT_CONVERGED, step, "no descent direction was found", relative);
+            if (!newton_direction(enough, report)) return "no descent direction was found";
         }
         if (line_search(x, now, signals)) {
             force_filter = false;
             continue;
         }
         if (now.residual <= kNoise * noise_) break;
-        if (filtered) fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
+        if (filtered) return "the line search is exhausted";
         force_filter = true;  // once more from here with the filtered Hessian
     }
+    return nullptr;
 }
 
 // L-BFGS on the projective-dynamics matrix (Liu et al. 2017), the paper's solver; the history starts anew at each step,
 // so that a step is a function of its state alone.
-void Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
-                                   StepReport& report) {
+const char* Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                                          StepReport& report) {
     Lbfgs history(kHistory);
     const auto initial = [&](const double* in, double* out) { precondition(in, out); };
-    while (!converged(now)) {
+    while (!settled(x, now, signals)) {
         check_cancelled(step);
-        if (report.newton_iterations >= scene_.max_linear)
-            fail_step(Status::NOT_CONVERGED, step, "the quasi-Newton method reached max_linear",
-                      now.residual / now.scale);
+        if (report.newton_iterations >= scene_.max_linear) return "the quasi-Newton method reached max_linear";
         ++report.newton_iterations, ++report.linear_iterations;
         history.direction(gradient_.data(), initial, direction_);
         std::vector<double> move(x), change(gradient_);
@@ -331,10 +412,10 @@ void Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& now, cons
             continue;
         }
         if (now.residual <= kNoise * noise_) break;
-        if (history.empty())
-            fail_step(Status::NOT_CONVERGED, step, "the line search is exhausted", now.residual / now.scale);
+        if (history.empty()) return "the line search is exhausted";
         history.clear();
     }
+    return nullptr;
 }
 
 WaterTotals Stepper::totals(const State& next) const {

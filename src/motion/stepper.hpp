@@ -7,12 +7,16 @@
 // Newton's method with conjugate gradients preconditioned by the projective-dynamics factor, or with a direct solver;
 // the exact Hessian, filtered only where it shows negative curvature. Or L-BFGS on that factor (`projective`). Stops at
 // |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
-// + |f_water|), norms over nodes: independent of the origin and of rigid motion. Constrained coordinates keep their
-// place and drop out of all of it.
+// + |f_water|), norms over nodes: independent of the origin and of rigid motion, and where the body as a whole is in
+// balance too (rigid_balance.hpp). Constrained coordinates keep their place and drop out of all of it.
+//
+// Where that fails, another method takes over (rescue.cpp): another way to the same equations, so that the answer and
+// its derivative mean the same; the report and a warning tell of it.
 //
 // Adjoint: H(q+) lambda = q+_bar + v+_bar / b, then the cotangents of everything the residual depends on.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -20,6 +24,7 @@
 #include "linalg/pcg.hpp"
 #include "linalg/sparse.hpp"
 #include "motion/design.hpp"
+#include "motion/rigid_balance.hpp"
 #include "motion/state.hpp"
 
 namespace dqa {
@@ -29,6 +34,7 @@ struct StepReport {
     int linear_iterations = 0;
     int inverted = 0;       // Gauss points with det F <= 0 at the solution
     int filtered = 0;       // Newton iterations that needed the filtered Hessian
+    bool rescued = false;   // the scene's method failed, and another one found the answer
     double residual = 0.0;  // relative
 };
 
@@ -59,7 +65,8 @@ public:
 
 private:
     struct Evaluation {
-        double energy = 0.0, residual = 0.0, scale = 0.0;
+        double energy = 0.0, residual = 0.0;
+        double scale = 0.0, outer = 0.0;  // sums of the norms of all forces, and of inertia and water alone
         bool finite = true;
     };
     // step and adjoint inside the crew of their threads.
@@ -79,15 +86,28 @@ private:
     bool newton_direction(double forcing, StepReport& report);
     bool converged(const Evaluation& now) const;
     void check_cancelled(long step) const;
+    bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
+    bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
+    double target(const Evaluation& now) const;
+    double forcing(const Evaluation& now) const;
+    double energy_noise(const std::vector<double>& x, const Evaluation& now) const;
     bool line_search(std::vector<double>& x, Evaluation& now, const double* signals);
-    void descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step, StepReport& report);
-    void descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
-                              StepReport& report);
+    // From x down to the answer. They return what went wrong, null if nothing did.
+    const char* descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                               StepReport& report);
+    const char* descend_quasi_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                                     StepReport& report);
+    bool descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
+                         StepReport& report);
+    double shifted_direction(double forcing, double shift, StepReport& report);
+    void rescue(const State& before, std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                const char* why, StepReport& report);
     [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
     int worst_cell() const;
 
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
+    RigidBalance::Free free_;
     std::size_t size_;    // 3 n_nodes
     Threads threads_{1};  // of the call in progress
     BodyWorkspace body_;
@@ -97,10 +117,12 @@ private:
     std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
     std::vector<double> candidate_;
-    std::vector<double> masked_;  // scratch of apply_hessian
+    std::vector<double> masked_;                         // scratch of apply_hessian
+    std::array<std::vector<double>, 2> preconditioned_;  // scratch of shifted_direction
     bool two_step_ = false;
-    double beta_ = 0.0;   // s
-    double noise_ = 0.0;  // rounding level of the residual norm
+    double beta_ = 0.0;                      // s
+    double noise_ = 0.0;                     // rounding level of the residual norm
+    static constexpr double kNoise = 200.0;  // residuals below this multiple of the rounding level may stagnate
 };
 
 }  // namespace dqa

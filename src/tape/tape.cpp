@@ -109,6 +109,7 @@ void Tape::append(const Simulation& simulation, const StepInput& input, const St
     statistics_.bytes += input_bytes(*design_);
     statistics_.newton_iterations += report.newton_iterations;
     statistics_.linear_iterations += report.linear_iterations;
+    statistics_.rescued_steps += report.rescued ? 1 : 0;
     statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
 }
 

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// The second way of a step to its answer, taken where the first one fails: Newton's method with the Hessian shifted by
+// the preconditioner, H + s P, with s chosen by how well the model foretells the energy (Levenberg-Marquardt; a trust
+// region in the norm d.P d: Conn, Gould & Toint 2000, chapter 7). It needs neither a convex model nor a direction along
+// which a full step goes down. P stands for the stiffness of each cell, so that nearly empty cells may go far; and P d
+// costs no product: conjugate gradients know it of all their vectors.
+#include <algorithm>
+#include <cmath>
+
+#include "grid/error.hpp"
+#include "grid/log.hpp"
+#include "motion/stepper.hpp"
+
+namespace dqa {
+namespace {
+
+constexpr int kPatience = 10;          // times max_newton - 1: iterations of each attempt
+constexpr double kLeastShift = 1e-4;   // smaller ones count as none
+constexpr double kLargestShift = 1e8;  // larger ones go nowhere
+
+}  // namespace
+
+// direction_ <- -(H + shift P)^-1 gradient_. Returns the decrease that the model without the shift promises; 0 where
+// the shifted Hessian is not positive.
+double Stepper::shifted_direction(double forcing, double shift, StepReport& report) {
+    std::vector<double>&d = direction_, &r = krylov_.r, &z = krylov_.z, &p = krylov_.p, &hp = krylov_.ap;
+    std::vector<double>&pp = preconditioned_[0], &pd = preconditioned_[1];  // P p, P d
+    for (auto* v : {&d, &p, &pp, &pd}) v->assign(size_, 0.0);
+    r.resize(size_), z.resize(size_), hp.resize(size_);
+    for (std::size_t i = 0; i < size_; ++i) r[i] = -gradient_[i];
+    const double enough = forcing * std::sqrt(ordered_dot(r.data(), r.data(), size_));
+    double rz = 0.0;
+    for (int k = 0; k < scene_.max_linear; ++k) {
+        precondition(r.data(), z.data());
+        const double rz_new = ordered_dot(r.data(), z.data(), size_), beta = k == 0 ? 0.0 : rz_new / rz;
+        rz = rz_new;
+        for (std::size_t i = 0; i < size_; ++i) p[i] = z[i] + beta * p[i], pp[i] = r[i] + beta * pp[i];
+        apply_hessian(p.data(), hp.data());
+        ++report.linear_iterations;
+        for (std::size_t i = 0; i < size_; ++i) hp[i] += shift * pp[i];
+        const double curvature = ordered_dot(p.data(), hp.data(), size_);
+        if (!(curvature > 0)) return 0.0;
+        const double step = rz / curvature;
+        for (std::size_t i = 0; i < size_; ++i) d[i] += step * p[i], pd[i] += step * pp[i], r[i] -= step * hp[i];
+        if (std::sqrt(ordered_dot(r.data(), r.data(), size_)) <= enough) break;
+    }
+    // H d = -g - r - shift P d.
+    double decrease = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) decrease += 0.5 * d[i] * (r[i] + shift * pd[i] - gradient_[i]);
+    return decrease;
+}
+
+// From x down; false where `limit` iterations do not do or no shift is large enough.
+bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
+                              StepReport& report) {
+    double shift = 1.0;
+    candidate_.resize(size_);
+    for (int k = 0; k < limit && shift < kLargestShift; ++k) {
+        if (settled(x, now, signals)) return true;
+        check_cancelled(step);
+        ++report.newton_iterations;
+        const double decrease = shifted_direction(forcing(now), shift, report);
+        if (!(decrease > 0)) {
+            shift = std::max(kLeastShift, 4.0 * shift);
+            continue;
+        }
+        for (std::size_t i = 0; i < size_; ++i) candidate_[i] = x[i] + direction_[i];
+        const Evaluation next = evaluate(candidate_.data(), signals);
+        const double noise = energy_noise(x, now);
+        const double ratio = next.finite ? (now.energy - next.energy) / decrease : -1.0;
+        // Where rounding hides the energies' difference the residual decides.
+        const bool alike = next.finite && decrease < noise && next.energy <= now.energy + noise;
+        if (ratio > 0.1 || (alike && next.residual < now.residual)) {
+            x.swap(candidate_);
+            now = next;
+            if (ratio > 0.75 || alike) shift = shift > kLeastShift ? 0.2 * shift : 0.0;
+            continue;
+        }
+        now = evaluate(x.data(), signals);
+        if (alike && shift == 0.0) return now.residual <= kNoise * noise_;
+        shift = std::max(kLeastShift, 4.0 * shift);
+    }
+    return settled(x, now, signals);
+}
+
+// The scene's method failed at x: on from there, or from where the step began, in which case it was led astray.
+void Stepper::rescue(const State& before, std::vector<double>& x, Evaluation& now, const double* signals, long step,
+                     const char* why, StepReport& report) {
+    const int iterations = report.newton_iterations;
+    const double relative = now.residual / now.scale;
+    const int limit = kPatience * (scene_.max_newton - 1);
+    if (!descend_shifted(x, now, signals, step, limit, report)) {
+        const double stopped = now.residual / now.scale;
+        x = before.q;
+        now = evaluate(x.data(), signals);
+        if (!now.finite || !descend_shifted(x, now, signals, step, limit, report))
+            fail_step(Status::NOT_CONVERGED, step, why, stopped);
+    }
+    report.rescued = true;
+    log_message(LogLevel::warning,
+                "step %ld: %s at a relative force residual of %.2g; a shifted Newton's method took over and found the "
+                "answer after %d iterations",
+                step, why, relative, report.newton_iterations - iterations);
+}
+
+}  // namespace dqa
