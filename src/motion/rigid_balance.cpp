@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "motion/rigid_balance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "linalg/pcg.hpp"
@@ -8,30 +9,80 @@
 namespace dqa {
 namespace {
 
+constexpr double kConnecting = 0.05;  // occupancy of a cell that holds two parts together
+
 Vec3 cross(const Vec3& a, const Vec3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 }  // namespace
 
-RigidBalance::RigidBalance(Free free, const std::vector<double>& mass, const double* q) {
+std::vector<int> pieces_of(const ActiveSet& set, const std::vector<double>& occupancy) {
+    std::vector<int> piece(static_cast<std::size_t>(set.n_nodes()), -1);
+    int count = 0;
+    // Grows a piece from cell to cell through their nodes, first through the fuller cells alone.
+    std::vector<std::vector<std::size_t>> cells_of(piece.size());
+    for (std::size_t c = 0; c < set.cell_nodes.size(); ++c)
+        for (const int n : set.cell_nodes[c]) cells_of[static_cast<std::size_t>(n)].push_back(c);
+    const auto grow = [&](std::vector<std::size_t> front, double least) {
+        for (std::size_t at = 0; at < front.size(); ++at)
+            for (const std::size_t c : cells_of[front[at]]) {
+                if (occupancy[c] < least) continue;
+                for (const int n : set.cell_nodes[c]) {
+                    const std::size_t node = static_cast<std::size_t>(n);
+                    if (piece[node] >= 0) continue;
+                    piece[node] = piece[front[at]];
+                    front.push_back(node);
+                }
+            }
+    };
+    const auto seed = [&](double least) {
+        for (std::size_t c = 0; c < set.cell_nodes.size(); ++c) {
+            const std::size_t node = static_cast<std::size_t>(set.cell_nodes[c][0]);
+            if (occupancy[c] < least || piece[node] >= 0) continue;
+            piece[node] = count++;
+            grow({node}, least);
+        }
+    };
+    seed(kConnecting);
+    std::vector<std::size_t> all;
+    for (std::size_t n = 0; n < piece.size(); ++n)
+        if (piece[n] >= 0) all.push_back(n);
+    grow(all, 0.0);
+    seed(0.0);
+    return piece;
+}
+
+RigidBalance::RigidBalance(Free free, const std::vector<double>& mass, const std::vector<int>& piece, const double* q)
+    : piece_(piece) {
     if (free == Free::none) return;
+    const int count = *std::max_element(piece.begin(), piece.end()) + 1;
+    for (int k = 0; k < count; ++k) add_piece(free, static_cast<std::size_t>(k), mass, q);
+}
+
+void RigidBalance::add_piece(Free free, std::size_t index, const std::vector<double>& mass, const double* q) {
     double total = 0.0;
+    Vec3 centre{};
+    const auto inside = [&](std::size_t n) { return piece_[n] == static_cast<int>(index); };
     for (std::size_t n = 0; n < mass.size(); ++n) {
+        if (!inside(n)) continue;
         total += mass[n];
-        for (std::size_t k = 0; k < 3; ++k) centre_[k] += mass[n] * q[3 * n + k];
+        for (std::size_t k = 0; k < 3; ++k) centre[k] += mass[n] * q[3 * n + k];
     }
-    for (double& c : centre_) c /= total;
+    for (double& c : centre) c /= total;
+    centre_.push_back(centre);
     // Shifts along x, y, z, then turns about them.
     for (std::size_t k = 0; k < 6; ++k) {
         if (free == Free::plane && k != 0 && k != 1 && k != 5) continue;
         Motion m;
+        m.piece = index;
         (k < 3 ? m.shift : m.turn)[k % 3] = 1.0;
-        m.field.resize(3 * mass.size());
+        m.field.assign(3 * mass.size(), 0.0);
         for (std::size_t n = 0; n < mass.size(); ++n) {
+            if (!inside(n)) continue;
             const Vec3 u =
                 k < 3 ? m.shift
-                      : cross(m.turn, {q[3 * n] - centre_[0], q[3 * n + 1] - centre_[1], q[3 * n + 2] - centre_[2]});
+                      : cross(m.turn, {q[3 * n] - centre[0], q[3 * n + 1] - centre[1], q[3 * n + 2] - centre[2]});
             for (std::size_t a = 0; a < 3; ++a) m.field[3 * n + a] = u[a];
         }
         const auto mass_product = [&](const std::vector<double>& a, const std::vector<double>& b) {
@@ -41,6 +92,7 @@ RigidBalance::RigidBalance(Free free, const std::vector<double>& mass, const dou
         };
         const double before = mass_product(m.field, m.field);
         for (const Motion& other : motions_) {
+            if (other.piece != index) continue;
             const double c = mass_product(m.field, other.field);
             for (std::size_t i = 0; i < m.field.size(); ++i) m.field[i] -= c * other.field[i];
             for (std::size_t a = 0; a < 3; ++a) m.shift[a] -= c * other.shift[a], m.turn[a] -= c * other.turn[a];
@@ -67,21 +119,25 @@ double RigidBalance::norm_of(const double* force) const {
 }
 
 void RigidBalance::move(const std::vector<double>& coefficients, double* q) const {
-    if (motions_.empty()) return;
-    Vec3 shift{}, turn{};
-    for (std::size_t k = 0; k < motions_.size(); ++k)
-        for (std::size_t a = 0; a < 3; ++a) {
-            shift[a] += coefficients[k] * motions_[k].shift[a];
-            turn[a] += coefficients[k] * motions_[k].turn[a];
+    for (std::size_t index = 0; index < centre_.size(); ++index) {
+        Vec3 shift{}, turn{};
+        for (std::size_t k = 0; k < motions_.size(); ++k)
+            for (std::size_t a = 0; a < 3 && motions_[k].piece == index; ++a) {
+                shift[a] += coefficients[k] * motions_[k].shift[a];
+                turn[a] += coefficients[k] * motions_[k].turn[a];
+            }
+        // Rodrigues' formula, with the sines in the form that is exact for small angles.
+        const double angle = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+        const double half = 0.5 * angle, sinc_half = half > 1e-8 ? std::sin(half) / half : 1.0;
+        const double first = sinc_half * std::cos(half), second = 0.5 * sinc_half * sinc_half;
+        const Vec3& c = centre_[index];
+        for (std::size_t n = 0; n < piece_.size(); ++n) {
+            if (piece_[n] != static_cast<int>(index)) continue;
+            double* x = q + 3 * n;
+            const Vec3 r{x[0] - c[0], x[1] - c[1], x[2] - c[2]};
+            const Vec3 wr = cross(turn, r), wwr = cross(turn, wr);
+            for (std::size_t a = 0; a < 3; ++a) x[a] += shift[a] + first * wr[a] + second * wwr[a];
         }
-    // Rodrigues' formula, with the sines in the form that is exact for small angles.
-    const double angle = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
-    const double half = 0.5 * angle, sinc_half = half > 1e-8 ? std::sin(half) / half : 1.0;
-    const double first = sinc_half * std::cos(half), second = 0.5 * sinc_half * sinc_half;
-    for (std::size_t i = 0; i < motions_[0].field.size(); i += 3) {
-        const Vec3 r{q[i] - centre_[0], q[i + 1] - centre_[1], q[i + 2] - centre_[2]};
-        const Vec3 wr = cross(turn, r), wwr = cross(turn, wr);
-        for (std::size_t a = 0; a < 3; ++a) q[i + a] += shift[a] + first * wr[a] + second * wwr[a];
     }
 }
 

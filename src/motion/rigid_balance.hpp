@@ -9,17 +9,22 @@
 
 #include <vector>
 
-#include "grid/box.hpp"
+#include "grid/active_set.hpp"
 
 namespace dqa {
+
+// The piece that each node belongs to, numbered from 0: parts of the body that hang together by more than nearly empty
+// cells, with the nearly empty cells around them.
+std::vector<int> pieces_of(const ActiveSet& set, const std::vector<double>& occupancy);
 
 class RigidBalance {
 public:
     // Which motions nothing holds: all, those in the plane of x and y, or, if nodes are fixed, none.
     enum class Free { space, plane, none };
 
-    // Motions of masses [n_nodes] about positions q [n_nodes][3]; fewer than six where these are on a line or a point.
-    RigidBalance(Free free, const std::vector<double>& mass, const double* q);
+    // Motions of masses [n_nodes] about positions q [n_nodes][3], six of each piece (or fewer, where it is on a line or
+    // a point); piece [n_nodes] tells which one a node belongs to.
+    RigidBalance(Free free, const std::vector<double>& mass, const std::vector<int>& piece, const double* q);
 
     std::size_t size() const { return motions_.size(); }
     const std::vector<double>& field(std::size_t k) const { return motions_[k].field; }  // [n_nodes][3]
@@ -32,10 +37,14 @@ public:
 
 private:
     struct Motion {
+        std::size_t piece = 0;
         Vec3 shift{}, turn{};
         std::vector<double> field;
     };
-    Vec3 centre_{};
+    void add_piece(Free free, std::size_t index, const std::vector<double>& mass, const double* q);
+
+    std::vector<int> piece_;
+    std::vector<Vec3> centre_;  // of each piece
     std::vector<Motion> motions_;
 };
 

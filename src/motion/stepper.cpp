@@ -36,6 +36,7 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
     : design_(std::move(design)),
       scene_(design_->scene()),
       free_(free_motions(*design_)),
+      piece_(pieces_of(design_->set(), design_->occupancy())),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
     for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
         v->assign(size_, 0.0);
@@ -246,6 +247,7 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     const char* why = scene_.method == Method::projective ? descend_quasi_newton(x, now, input.signals, step, report)
                                                           : descend_newton(x, now, input.signals, step, report);
     if (why) rescue(before, x, now, input.signals, step, why, report);
+    check_explicit_water(x, now, input, step);
     // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
     report.residual = scale > 0 ? now.residual / scale : 0.0;
@@ -256,6 +258,25 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     next_state.q.swap(x);
     if (scene_.integrator == Integrator::bdf2) next_state.q_before = before.q, next_state.v_before = before.v;
     return report;
+}
+
+// A force -c v that is kept for a whole step of length h turns a mass m round once h c > m, and feeds the motion that
+// it should damp: with h c = g m it does the work (g - 1) g m v^2. From g = 2 on, four times the kinetic energy that
+// there was, the motion grows from step to step, and what follows is no longer that of a swimmer.
+void Stepper::check_explicit_water(const std::vector<double>& x, const Evaluation& now, const StepInput& input,
+                                   long step) const {
+    const Water* water = design_->water();
+    if (!water || !scene_.hydrodynamics.explicit_forces) return;
+    double kinetic = 0.0;  // relative to the water, at the start
+    for (std::size_t i = 0; i < size_; ++i) {
+        const double v = lag_v_[i] - input.current[i % 3];
+        kinetic += 0.5 * design_->mass()[i / 3] * v * v;
+    }
+    const double fed = -beta_ * water->dissipation(water_, x.data(), base_.data(), beta_);
+    if (fed > 4.0 * kinetic) {
+        const double relative = now.scale > 0 ? now.residual / now.scale : 0.0;
+        fail_step(Status::DIVERGED, step, "explicit water forces drive the motion that they should damp", relative);
+    }
 }
 
 // The residual to reach. In a stiff body the forces of tissue and muscles are far larger than what is left of them to
@@ -280,7 +301,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
     const std::vector<double>& mass = design_->mass();
     const double b2 = beta_ * beta_;
     for (int k = 0; k < 4 && converged(now); ++k) {
-        const RigidBalance whole(free_, mass, x.data());
+        const RigidBalance whole(free_, mass, piece_, x.data());
         double way2 = 0.0, places2 = 0.0;
         for (std::size_t i = 0; i < size_; ++i) {
             way2 += mass[i / 3] * (x[i] - base_[i]) * (x[i] - base_[i]);

@@ -102,14 +102,17 @@ private:
     double shifted_direction(double forcing, double shift, StepReport& report);
     void rescue(const State& before, std::vector<double>& x, Evaluation& now, const double* signals, long step,
                 const char* why, StepReport& report);
+    void check_explicit_water(const std::vector<double>& x, const Evaluation& now, const StepInput& input,
+                              long step) const;
     [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
     int worst_cell() const;
 
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
     RigidBalance::Free free_;
-    std::size_t size_;    // 3 n_nodes
-    Threads threads_{1};  // of the call in progress
+    std::vector<int> piece_;  // of each node
+    std::size_t size_;        // 3 n_nodes
+    Threads threads_{1};      // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;
     PcgWorkspace krylov_;

@@ -261,6 +261,16 @@ void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_ba
               parameter_bar, occupancy_bar);
 }
 
+double Water::dissipation(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
+    double power = 0.0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h), n = at(ws.n.data(), static_cast<int>(3 * i));
+        const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
+        power += ws.cd[i] * dot(u, fresh) + ws.ct[i] * dot(n, u) * dot(n, fresh);
+    }
+    return power;
+}
+
 WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
     WaterTotals t;
     double wet = 0.0;

@@ -94,6 +94,9 @@ public:
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
                   const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
                   Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
+    // Power that drag and the part of thrust that resists motion take from the swimmer (W): never negative, except
+    // where explicit forces turn a face round within the step.
+    double dissipation(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
     WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
     // Cotangents of the totals, wet_area excepted: added to those of q_new, and to the others as by pullback.
     void totals_pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
