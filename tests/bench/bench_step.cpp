@@ -5,7 +5,7 @@
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
 //              [--integrators LIST] [--precision LIST] [--sweep tolerance|threshold] [--algebraic] [--discretisation]
 //              [--reference]
-//              [--oracle auto|direct|pcg] [--scaling]
+//              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
 // step, medians over --repeat (least and largest are printed beside them), each configuration in a process of its own.
@@ -15,6 +15,8 @@
 //   :h/8         eight steps for one, cells and threshold as in the row (--discretisation)
 //   :dx/2        cells of half the size with the same blur in metres (--discretisation; both for newton_pcg on active
 //                cells, one thread)
+// --indicator sets the a-priori estimate of a threshold's error (motion/threshold.hpp) beside the measured ones of
+// newton_pcg, against the full box at 1e-9, and prints the cells and the time that the threshold leaves.
 // In boxes of more than 6000 cells, where factorising the Hessian takes minutes, the exact answer is newton_pcg's at
 // 1e-12 (--oracle direct insists); on the eel its answer at 1e-10 is within 1e-10 of newton_direct's.
 #include <cmath>
@@ -24,6 +26,8 @@
 #include <map>
 #include <tuple>
 
+#include "motion/threshold.hpp"
+#include "shape/shape_space.hpp"
 #include "support.hpp"
 
 namespace {
@@ -41,8 +45,9 @@ struct Settings {
     Vector thresholds{0.02, 0.0}, tolerances{1e-6}, threads{1.0};
     std::array<int, 3> grid{};
     int steps = 5, repeat = 5;
-    double budget = 20.0;
-    bool quick = false, algebraic = false, discretisation = false, reference = false, scaling = false;
+    double budget = 20.0, sigma = 0.4;
+    bool indicator = false, quick = false, algebraic = false, discretisation = false, reference = false,
+         scaling = false;
 };
 
 bool small(const Scene& scene) {
@@ -130,6 +135,29 @@ public:
                 exponent(setup_ms), exponent(forward), exponent(backward), exponent(peak));
     }
 
+    void indicator(const Scene& scene) {
+        exact_.clear();
+        const auto space = dqa::ShapeSpace::load(scene.file);
+        const Vector weights(static_cast<std::size_t>(scene.n_bases), 1.0 / scene.n_bases);
+        const dqa::ThresholdError estimate(space->box(), space->evaluate(weights, 0.0, 1, nullptr).p_hat,
+                                           dqa::SceneSettings{});
+        for (const double threshold : s_.thresholds) {
+            Setup setup = setup_of(s_, 0, 0, threshold, s_.tolerances.front(), static_cast<int>(s_.threads.front()));
+            const auto got = measure(scene, setup);
+            const Outcome* truth = got ? exact(scene, 0.0, 0, 1e-9) : nullptr;
+            if (!truth) continue;
+            const double start = milliseconds(), eta = estimate(threshold), took = milliseconds() - start;
+            const double state = state_error(*got, *truth, scene), gradient = gradient_error(*got, *truth);
+            std::printf(
+                "%-12s sigma %g tau %-6g %6.0f cells: estimate %.2e (%.2f ms), state error %.2e (%.2f of it), gradient "
+                "error %.2e (%.2f), forward %.2f ms, backward %.2f ms, iterations %.1f %.0f %.0f\n",
+                scene.name.c_str(), s_.sigma, threshold, got->active_cells, eta, took, state, state / eta, gradient,
+                gradient / eta, spread_of(got->forward).median / s_.steps, spread_of(got->backward).median / s_.steps,
+                got->newton, got->linear, got->adjoint);
+            std::fflush(stdout);
+        }
+    }
+
     int failures() const { return failures_; }
 
 private:
@@ -177,7 +205,7 @@ private:
         if (const auto truth = measure(scene, fine))
             report(scene, ":h/8", setup, *got, *truth, 1, Actuations::amplitudes);
         fine.time_step = setup.time_step, fine.steps = setup.steps;
-        if (const auto half = open_scene(scene.name, s_.data, scene.grid, 2))
+        if (const auto half = open_scene(scene.name, s_.data, scene.grid, 2, s_.sigma))
             if (const auto truth = measure(*half, fine))
                 report(scene, ":dx/2", setup, *got, *truth, 2, Actuations::amplitudes);
     }
@@ -276,6 +304,10 @@ Settings parse(int argc, char** argv) {
             s.reference = true;
         } else if (name == "--oracle") {
             s.oracle = value();
+        } else if (name == "--indicator") {
+            s.indicator = true;
+        } else if (name == "--sigma") {
+            s.sigma = numbers(value(), "--sigma")[0];
         } else if (name == "--scaling") {
             s.scaling = true;
         } else {
@@ -299,8 +331,11 @@ int main(int argc, char** argv) {
         for (const std::string& name : s.scenes) {
             if (s.scaling) {
                 bench.scaling(name);
-            } else if (const auto scene = open_scene(name, s.data, s.grid)) {
-                bench.scene(*scene);
+            } else if (const auto scene = open_scene(name, s.data, s.grid, 1, s.sigma)) {
+                if (s.indicator)
+                    bench.indicator(*scene);
+                else
+                    bench.scene(*scene);
             }
         }
         if (bench.failures() > 0) std::printf("%d configurations failed\n", bench.failures());

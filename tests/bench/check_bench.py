@@ -8,6 +8,7 @@
 import csv
 import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -83,6 +84,15 @@ def step(program):
     for bad in (["--scenes", "whale"], ["--methods", "guess"], ["--tolerance", "small"], ["--steps", "0"], ["--no"], ["--precision", "half"]):
         done = subprocess.run([program, *bad], text=True, capture_output=True, check=False)
         require(done.returncode == 2 and done.stderr, *bad, "ended with", done.returncode)
+    done = subprocess.run([program, "--indicator", "--scenes", "eel", "--grid", "24x8x8", "--steps", "6", "--repeat", "1",
+                           "--threshold", "0.1,0.02,0.004"], text=True, capture_output=True, check=True)
+    errors = [tuple(map(float, found)) for found in
+              re.findall(r"tau (\S+) .*estimate (\S+) .*state error (\S+) .*gradient error (\S+) ", done.stdout)]
+    require([e[0] for e in errors] == [0.1, 0.02, 0.004], "rows of the indicator:", done.stdout)
+    require(errors[0][1] > errors[1][1] > errors[2][1] > 0, "estimates do not fall with the threshold:", errors)
+    for threshold, estimate, state, gradient in errors:
+        require(0.1 * estimate <= state <= estimate, "at threshold", threshold, "an error of", state, "of", estimate)
+        require(0 < gradient, "no error of the gradient at threshold", threshold)
 
 
 def rollout(program):

@@ -329,7 +329,7 @@ std::string Scene::grid_text() const {
 }
 
 std::optional<Scene> open_scene(const std::string& name, const std::string& data, const std::array<int, 3>& grid,
-                                int refine) {
+                                int refine, double sigma) {
     static const Scratch scratch;
     static int number = 0;
     Scene scene{name, {60, 16, 26}, scratch.file(number++), 2};
@@ -359,7 +359,7 @@ std::optional<Scene> open_scene(const std::string& name, const std::string& data
         dqa_shape_space_options o;
         check(dqa_shape_space_options_init(&o, sizeof o), "options");
         o.cells_x = scene.grid[0], o.cells_y = scene.grid[1], o.cells_z = scene.grid[2];
-        o.margin *= refine, o.sigma *= refine;
+        o.margin *= refine, o.sigma = sigma * refine;
         o.automatic_fins = name == "three" ? 1 : 0;
         Space space;
         check(dqa_shape_space_create(&o, &space.p), "space");

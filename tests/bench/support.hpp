@@ -47,10 +47,10 @@ struct Scene {
 
 // eel: the shipped eels, 40x8x8. shipped: clownfish and tuna, 60x16x26. orca_shark: Orca.stl and GreatWhiteShark.stl of
 // `data`, 60x16x26. three: three generated rays with fins, 60x54x14. Weights are equal. Another grid if grid[0] > 0;
-// refine = 2 halves the cells and keeps everything else as it is in metres. No value, and a message, where meshes are
-// absent.
+// refine = 2 halves the cells and keeps everything else as it is in metres; sigma is the width of the kernel in cells.
+// No value, and a message, where meshes are absent.
 std::optional<Scene> open_scene(const std::string& name, const std::string& data, const std::array<int, 3>& grid = {},
-                                int refine = 1);
+                                int refine = 1, double sigma = 0.4);
 
 // ---------------------------------------------------------------- runs
 
