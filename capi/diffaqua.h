@@ -418,6 +418,23 @@ typedef struct dqa_simulator_info {
 DQA_API dqa_status dqa_simulator_get_info(const dqa_simulator *simulator, dqa_simulator_info *info, uint64_t size);
 /* Current weights [n_bases]. */
 DQA_API dqa_status dqa_simulator_get_weights(const dqa_simulator *simulator, double *weights, int64_t m);
+/* The threshold for options.threshold that keeps the estimated error of leaving faint cells out at or below
+ * `tolerance`, in (0, 1), at the design weights [n_bases]: the largest such in [1e-4, 0.499], or 0 (the full box)
+ * where even 1e-4 leaves out too much. Writes it and, unless NULL, its estimate (of threshold 0: 0). The estimate is
+ * of the displacements after ten steps: mass-weighted norm of their difference from those of the full box over the
+ * norm of the latter. It is made from the density, without a step: the part of the bending stiffness of cross-sections
+ * that the threshold takes away, as the root of its mean square over the body, times a factor calibrated on eels,
+ * fish, orcas and rays at two widths of the kernel, so that measured errors are 0.3 to 0.65 of it, of rays 0.1.
+ * Differences grow along a rollout: on an eel they reach the estimate after some sixty steps. Gradients are more
+ * sensitive: the relative error by weights and actuation was 0.3 to 3 times the estimate at thresholds to 0.02, up to
+ * 4 times above.
+ * Moduli by cell, the floor of occupancy and whether the scene is planar are those of the simulator; neither it nor
+ * its design changes, and its own threshold does not matter. The threshold is an option of the simulator and is not
+ * chosen anew for each design: along an optimisation it must stay what it is, or the loss would jump where it changes
+ * and no gradient would tell. Needs the density (seconds) unless `weights` are those of the present design.
+ * DQA_ERROR_ARGUMENT for NULL, weights off the simplex or a tolerance outside (0, 1); nothing is written then. */
+DQA_API dqa_status dqa_simulator_suggest_threshold(const dqa_simulator *simulator, const double *weights, int64_t m,
+                                                   double tolerance, double *threshold, double *estimate);
 /* One implicit Euler step with actuation [n_signals], each in [-1, 1]; appended to `tape` (NULL: not recorded).
  * On failure the state is that before the call. */
 DQA_API dqa_status dqa_simulator_step(dqa_simulator *simulator, const double *actuation, int64_t n, dqa_tape *tape);

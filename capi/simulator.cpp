@@ -7,6 +7,7 @@
 #include "grid/log.hpp"
 #include "internal.hpp"
 #include "motion/observation.hpp"
+#include "motion/threshold.hpp"
 
 using namespace dqa::capi;
 using dqa::fail;
@@ -361,6 +362,30 @@ dqa_status dqa_simulator_get_weights(const dqa_simulator* simulator, double* wei
         const auto& w = design_of(simulator).design().point().barycenter.weights;
         require(weights, "weights");
         copy_out(w.data(), w.size(), weights, m, "m", "weights [n_bases]");
+    });
+}
+
+dqa_status dqa_simulator_suggest_threshold(const dqa_simulator* simulator, const double* weights, int64_t m,
+                                           double tolerance, double* threshold, double* estimate) {
+    return guard([&] {
+        require(simulator, "simulator");
+        const auto w = read_weights(*simulator->space, weights, m);
+        require_range(tolerance, tolerance > 0 && tolerance < 1, "tolerance", "a number in (0, 1)");
+        require(threshold, "threshold");
+        const dqa::ShapeSpace& space = *simulator->space;
+        const dqa::SceneSettings& scene = simulator->scene;
+        const auto suggest = [&](const dqa::ShapePoint& point) {
+            return dqa::suggest_threshold(dqa::ThresholdError(space.box(), point.p_hat, scene), tolerance);
+        };
+        // The density of the present design is at hand.
+        const dqa::ShapePoint* present = simulator->simulation ? &simulator->simulation->design().point() : nullptr;
+        const auto found =
+            present && present->barycenter.weights == w
+                ? suggest(*present)
+                : suggest(space.evaluate(w, scene.shape_tolerance, scene.threads,
+                                         shape_monitor(nullptr, nullptr, space.settings().tolerance, scene.cancel)));
+        *threshold = found.threshold;
+        if (estimate) *estimate = found.error;
     });
 }
 

@@ -200,6 +200,10 @@ void test_every_call_survives(void**) {
     dqa_shape_space_free(loaded);
     assert_true(sweep("simulator", [&] { return dqa_simulator_create(space, nullptr, &simulator); }) > 0);
     assert_true(sweep("design", [&] { return dqa_simulator_set_weights(simulator, kHalf, 2, nullptr, nullptr); }) > 0);
+    double threshold = 0.0;
+    assert_true(sweep("threshold", [&] {
+                    return dqa_simulator_suggest_threshold(simulator, kHalf, 2, 0.05, &threshold, nullptr);
+                }) > 0);
     assert_true(sweep("current", [&] { return dqa_simulator_set_current_table(simulator, times, 2, rows, 6); }) > 0);
     assert_true(sweep("controller", [&] { return dqa_controller_create_sinusoid(1, 1.0 / 30.0, &controller); }) > 0);
     assert_true(sweep("tape", [&] { return dqa_tape_create(simulator, nullptr, &tape); }) > 0);

@@ -106,6 +106,47 @@ static void designs_are_checked_and_kept(void** state) {
     dqa_simulator_free(simulator);
 }
 
+static void thresholds_are_suggested(void** state) {
+    static const double wrong[][N_BASES] = {{0.6, 0.5}, {-0.1, 1.1}, {NAN, 0.5}};
+    static const double not_errors[] = {0.0, 1.0, -0.1, 2.0, NAN, INFINITY};
+    dqa_simulator *simulator = NULL, *designed = tiny_simulator(space);
+    double threshold = -7.0, estimate = -7.0, again = 0.0, finer = 0.0;
+    size_t i;
+    (void)state;
+    ok(dqa_simulator_create(space, NULL, &simulator));
+    refused(dqa_simulator_suggest_threshold(NULL, HALF, N_BASES, 0.05, &threshold, &estimate), DQA_ERROR_ARGUMENT,
+            "simulator");
+    refused(dqa_simulator_suggest_threshold(simulator, NULL, N_BASES, 0.05, &threshold, &estimate), DQA_ERROR_ARGUMENT,
+            "weights");
+    refused(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES + 1, 0.05, &threshold, &estimate),
+            DQA_ERROR_ARGUMENT, "weights|m");
+    for (i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+        refused(dqa_simulator_suggest_threshold(simulator, wrong[i], N_BASES, 0.05, &threshold, &estimate),
+                DQA_ERROR_ARGUMENT, "weights");
+    for (i = 0; i < sizeof not_errors / sizeof *not_errors; ++i)
+        refused(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, not_errors[i], &threshold, &estimate),
+                DQA_ERROR_ARGUMENT, "tolerance");
+    refused(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, 0.05, NULL, &estimate), DQA_ERROR_ARGUMENT,
+            "threshold");
+    assert_true(threshold == -7.0 && estimate == -7.0);
+
+    /* With a design or without one, and whatever its own threshold: the same bits. */
+    ok(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, 0.05, &threshold, &estimate));
+    assert_true(threshold >= 1e-4 && threshold < 0.5 && estimate > 0.0 && estimate <= 0.05);
+    assert_int_equal(info_of(simulator).has_design, 0);
+    ok(dqa_simulator_suggest_threshold(designed, HALF, N_BASES, 0.05, &again, NULL));
+    assert_true(again == threshold);
+    ok(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, 0.005, &finer, &estimate));
+    assert_true(finer < threshold && estimate <= 0.005);
+    /* What no threshold can keep is the full box; what any keeps is the largest. */
+    ok(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, 1e-12, &finer, &estimate));
+    assert_true(finer == 0.0 && estimate == 0.0);
+    ok(dqa_simulator_suggest_threshold(simulator, HALF, N_BASES, 0.999999, &threshold, &estimate));
+    assert_true(threshold < 0.5 && estimate < 1.0);
+    dqa_simulator_free(simulator);
+    dqa_simulator_free(designed);
+}
+
 static void info_is_consistent(void** state) {
     dqa_simulator* simulator = tiny_simulator(space);
     const dqa_simulator_info info = info_of(simulator);
@@ -259,9 +300,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_arguments),           cmocka_unit_test(create_needs_a_built_space),
         cmocka_unit_test(most_calls_need_a_design), cmocka_unit_test(designs_are_checked_and_kept),
-        cmocka_unit_test(info_is_consistent),       cmocka_unit_test(actuation_is_checked),
-        cmocka_unit_test(state_goes_in_and_out),    cmocka_unit_test(sensors_and_forces),
-        cmocka_unit_test(surface_and_mesh),
+        cmocka_unit_test(thresholds_are_suggested), cmocka_unit_test(info_is_consistent),
+        cmocka_unit_test(actuation_is_checked),     cmocka_unit_test(state_goes_in_and_out),
+        cmocka_unit_test(sensors_and_forces),       cmocka_unit_test(surface_and_mesh),
     };
     return cmocka_run_group_tests_name("simulator", tests, open_space, close_space);
 }
