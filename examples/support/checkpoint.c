@@ -27,6 +27,12 @@ char* checkpoint_settings(const options* o) {
                                        : "free",
                     (int)o->n_meshes);
     physics_add_settings(&o->laws, &t);
+    if (o->model_error > 0.0)
+        memory_text_add(&t, "model-error %.17g\n", o->model_error);
+    else if (o->threshold >= 0.0)
+        memory_text_add(&t, "threshold %.17g\n", o->threshold);
+    else
+        memory_text_add(&t, "threshold default\n");
     for (int32_t k = 0; k < o->loss.n_terms; ++k)
         memory_text_add(&t, "objective %s %.17g\n", objective_name(o->loss.kinds[k]), o->loss.weights[k]);
     if (o->loss.n_path > 0)

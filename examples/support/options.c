@@ -56,6 +56,9 @@ static const char help[] =
     "  --planar          nothing moves up or down\n"
     "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
     "  --current-file FILE  the same over time: lines of time (s) and x, y, z (m/s), straight between them\n"
+    "  --threshold T     cells with more than this share of the density are simulated, 0 (all) to below 0.5 (0.02)\n"
+    "  --model-error E   the threshold instead from an error, 0 to 1: the largest one at which the estimate of what\n"
+    "                    it does to the movements of the initial design is at most E; it stays for the whole run\n"
     "  --checkpoint-mib N  memory for the record of a rollout; what does not fit is computed again (no limit)\n"
     "  --weights a,b,... initial share of each mesh; they sum to 1 (equal shares)\n"
     "  --out DIR         folder of the results (./codesign-out)\n"
@@ -150,7 +153,7 @@ static int add_mesh(options* o, const char* path) {
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
     const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
-        *bases_file;
+        *bases_file, *threshold, *model_error;
     physics_words laws;
 } given;
 
@@ -170,6 +173,8 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--path", &g->path},
                  {"--checkpoint-mib", &g->checkpoint_mib},
                  {"--bases-file", &g->bases_file},
+                 {"--threshold", &g->threshold},
+                 {"--model-error", &g->model_error},
                  {"--interpolation", &g->laws.interpolation},
                  {"--material", &g->laws.material},
                  {"--integrator", &g->laws.integrator},
@@ -231,6 +236,31 @@ static int parse_sigma(const char* text, double* sigma) {
         return USAGE;
     }
     *sigma = value;
+    return DONE;
+}
+
+/* What decides which cells are simulated. */
+static int resolve_cells(options* o, const given* g) {
+    char* end = NULL;
+    o->threshold = -1.0;
+    if (g->threshold != NULL && g->model_error != NULL) {
+        say("give either --threshold or --model-error, not both");
+        return USAGE;
+    }
+    if (g->threshold != NULL) {
+        o->threshold = strtod(g->threshold, &end);
+        if (*end != '\0' || !(o->threshold >= 0.0 && o->threshold < 0.5)) {
+            say("--threshold expects a number from 0 to below 0.5, not \"%s\"", g->threshold);
+            return USAGE;
+        }
+    }
+    if (g->model_error != NULL) {
+        o->model_error = strtod(g->model_error, &end);
+        if (*end != '\0' || !(o->model_error > 0.0 && o->model_error < 1.0)) {
+            say("--model-error expects a number above 0 and below 1, not \"%s\"", g->model_error);
+            return USAGE;
+        }
+    }
     return DONE;
 }
 
@@ -326,6 +356,7 @@ int options_parse(options* o, int argc, char** argv, int* action) {
     if (outcome == DONE && g.steps != NULL) outcome = parse_count("--steps", g.steps, 1, 1000000, &o->steps);
     o->sigma = SIGMA;
     if (outcome == DONE && g.sigma != NULL) outcome = parse_sigma(g.sigma, &o->sigma);
+    if (outcome == DONE) outcome = resolve_cells(o, &g);
     if (outcome == DONE) outcome = resolve_task(o, &g);
     if (outcome == DONE) outcome = resolve_threads(o, &g);
     if (outcome == DONE) outcome = resolve_meshes(o, &g);

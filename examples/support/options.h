@@ -21,6 +21,8 @@ typedef struct options {
     int mlp;            /* the controller is a perceptron, not a sine */
     objective loss;
     physics laws;
+    double threshold;                  /* of the simulated cells; < 0: the library's, or as model_error asks */
+    double model_error;                /* 0: not given */
     int64_t checkpoint_mib;            /* memory budget of the tape; 0: none */
     int quick;                         /* the coarse settings were asked for */
     int resume;                        /* continue from the checkpoint in `out` */

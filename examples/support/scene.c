@@ -68,6 +68,22 @@ static int build_controller(scene* s, const options* o, int32_t n_signals) {
     return say_status(dqa_controller_create_mlp(&net, &s->controller), "create the controller");
 }
 
+/* The threshold that keeps the error asked for at the initial design. The library asks a simulator, for its material;
+ * the threshold of that one does not matter, and the one that swims takes its place. */
+static int choose_threshold(scene* s, const options* o, dqa_simulator_options* settings) {
+    dqa_simulator* judge = NULL;
+    int outcome = say_status(dqa_simulator_create(s->space, settings, &judge), "create the simulator");
+    if (outcome == DONE)
+        outcome = say_status(dqa_simulator_suggest_threshold(judge, o->weights, s->n_weights, o->model_error,
+                                                             &settings->threshold, &s->model_error),
+                             "choose the threshold");
+    dqa_simulator_free(judge);
+    if (outcome == DONE)
+        say("simulating cells of density above %.4g: an estimated error of %.2g %% in the movements",
+            settings->threshold, 100.0 * s->model_error);
+    return outcome;
+}
+
 static int build_simulator(scene* s, const options* o) {
     dqa_shape_space_info info;
     dqa_simulator_options settings;
@@ -81,7 +97,11 @@ static int build_simulator(scene* s, const options* o) {
     settings.time_step = SCENE_TIME_STEP;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
+    if (o->threshold >= 0.0) settings.threshold = o->threshold;
     physics_of_simulator(&o->laws, &settings);
+    if (o->model_error > 0.0) outcome = choose_threshold(s, o, &settings);
+    if (outcome != DONE) return outcome;
+    s->threshold = settings.threshold;
     outcome = say_status(dqa_simulator_create(s->space, &settings, &s->simulator), "create the simulator");
     if (outcome == DONE) outcome = physics_set_current(&o->laws, s->simulator);
     if (outcome == DONE) outcome = build_controller(s, o, info.n_signals);

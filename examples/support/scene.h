@@ -25,6 +25,8 @@ typedef struct scene {
     int32_t n_terms; /* of the loss */
     dqa_objective_term terms[OBJECTIVE_KINDS];
     int64_t steps;
+    double threshold;   /* of the simulated cells */
+    double model_error; /* its estimated error at the initial design; 0: none was asked for */
 } scene;
 
 /* Reads the meshes and builds everything. Every function here returns DONE, FAILED (said) or INTERRUPTED. */

@@ -7,7 +7,7 @@
 #include "output.h"
 #include "say.h"
 
-static void write_settings(json* j, const options* o, const run* r) {
+static void write_settings(json* j, const options* o, const run* r, const scene* s) {
     json_open(j, "settings", '{');
     json_open(j, "grid", '[');
     for (int i = 0; i < 3; ++i) json_integer(j, NULL, o->grid[i]);
@@ -29,6 +29,13 @@ static void write_settings(json* j, const options* o, const run* r) {
         json_close(j, '}');
     }
     physics_write(&o->laws, j);
+    json_number(j, "threshold", s->threshold);
+    if (o->model_error > 0.0) {
+        json_number(j, "model_error", o->model_error);
+        json_number(j, "model_error_estimate", s->model_error);
+    } else {
+        json_string(j, "model_error", NULL);
+    }
     json_integer(j, "checkpoint_mib", o->checkpoint_mib);
     json_string(j, "optimizer", "adam, weights projected onto the simplex");
     json_number(j, "rate_weights", r->rates[0]);
@@ -148,7 +155,7 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     json_close(&j, '}');
     write_cells(&j, o, &info);
     write_machine(&j, o);
-    write_settings(&j, o, r);
+    write_settings(&j, o, r, s);
     json_end(&j);
     return output_commit(&file);
 }

@@ -228,6 +228,7 @@ class Resume(Scratch):
         before = results.history_without_seconds(self.reference)
         for more, word in ((["--steps", "11"], "steps"), (["--grid", "26x10x12"], "grid"),
                            (["--fixed-control"], "control"), (["--sigma", "1"], "sigma"),
+                           (["--threshold", "0.1"], "threshold"), (["--model-error", "0.1"], "model-error"),
                            (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
             process = self.codesign(*SMALL, "--resume", "--out", self.reference, *more)
             self.assertEqual(process.returncode, 2, process.stderr)
@@ -275,6 +276,38 @@ class Tasks(Scratch):
         for name in ("design.stl", "controller.dqa"):
             with open(os.path.join(first, name), "rb") as a, open(os.path.join(again, name), "rb") as b:
                 self.assertEqual(a.read(), b.read(), name)
+
+    def test_the_threshold_and_the_error_that_chooses_it(self):
+        short = ("--grid", "20x8x10", "--steps", 2, "--iterations", 1)
+        cells, thresholds = [], []
+        for name, more in (("coarse", ("--model-error", 0.2)), ("fine", ("--model-error", "0.01")),
+                           ("given", ("--threshold", 0.02)), ("silent", ()), ("all", ("--threshold", 0))):
+            process = self.codesign(*short, *more, "--out", self.path(name))
+            self.assertEqual(process.returncode, 0, process.stderr)
+            summary = results.read_summary(self.path(name))
+            settings = summary["settings"]
+            if "--model-error" in more:
+                self.assertEqual(settings["model_error"], float(more[1]))
+                self.assertTrue(0.0 < settings["model_error_estimate"] <= settings["model_error"])
+                self.assertIn("estimated error", process.stderr)
+            else:
+                self.assertIsNone(settings["model_error"])
+            thresholds.append(settings["threshold"])
+            cells.append(summary["cells"]["active"])
+        coarse, fine, given, silent, every = thresholds
+        self.assertTrue(0.0 < fine < coarse < 0.5)
+        self.assertEqual((given, silent, every), (0.02, 0.02, 0.0))
+        self.assertLess(cells[0], cells[1])
+        self.assertEqual(cells[2], cells[3])
+        self.assertEqual(cells[4], 20 * 8 * 10)
+        # The threshold is chosen from the initial design: a resumed run finds it again.
+        process = self.codesign(*short, "--iterations", 2, "--model-error", 0.2, "--resume", "--out",
+                                self.path("coarse"))
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(results.read_summary(self.path("coarse"))["settings"]["threshold"], coarse)
+        process = self.codesign(*short, "--model-error", 0.1, "--resume", "--out", self.path("coarse"))
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("model-error", process.stderr)
 
     def test_a_path(self):
         path = self.path("path.txt")
@@ -383,6 +416,11 @@ class Refusals(Scratch):
                 self.refuse(2, option, option, text)
         for text in ("0", "0.1", "17", "nan", "wide", "0.7x"):
             self.refuse(2, "--sigma", "--sigma", text)
+        for text in ("-0.1", "0.5", "nan", "thin", "0.1x", ""):
+            self.refuse(2, "--threshold", "--threshold", text)
+        for text in ("0", "1", "-0.1", "nan", "small", "0.1x", ""):
+            self.refuse(2, "--model-error", "--model-error", text)
+        self.refuse(2, "not both", "--threshold", "0.1", "--model-error", "0.1")
         self.refuse(2, "--frobnicate", "--frobnicate")
         self.refuse(2, "expects a value", "--steps")
 
@@ -491,7 +529,7 @@ class Refusals(Scratch):
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
                        "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib",
-                       "--bases-file", "--automatic-fins", "--interpolation", "--material", "--integrator", "--planar",
+                       "--threshold", "--model-error", "--bases-file", "--automatic-fins", "--interpolation", "--material", "--integrator", "--planar",
                        "--current", "--current-file"):
             self.assertIn(option, process.stdout)
 
