@@ -86,6 +86,7 @@ int main(int argc, char** argv) {
             std::fprintf(csv, "%s,%g,%s,%g,%s,%s,%d,%.3e,%.3e,%.3e,%d,%.4g,%s\n", trial.axis_x.c_str(), trial.value_x,
                          trial.axis_y.c_str(), trial.value_y, trial.method().c_str(), name_of(r.outcome), r.steps_done,
                          r.residual, r.state_error, r.gradient_error, r.inverted, r.max_speed, reason.c_str());
+        if (csv) std::fflush(csv);
         if (failures && r.outcome != Outcome::accurate)
             std::printf("%s %g, %s %g, %s: %s after %d steps: %s [state %.1e]\n", trial.axis_x.c_str(), trial.value_x,
                         trial.axis_y.c_str(), trial.value_y, trial.method().c_str(), name_of(r.outcome), r.steps_done,
