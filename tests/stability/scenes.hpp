@@ -15,7 +15,7 @@ std::shared_ptr<const dqa::ShapeSpace> flat_space();
 // A single full cell.
 std::shared_ptr<const dqa::ShapeSpace> cell_space();
 
-// All cells of the map, or about one in five.
+// All cells of the map, or of the planes about one in ten.
 std::vector<Trial> mechanics(bool quick);
 
 }  // namespace stability
