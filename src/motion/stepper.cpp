@@ -243,6 +243,12 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     std::vector<double> x(y_);
     for (const int i : design_->constrained()) x[static_cast<std::size_t>(i)] = before.q[static_cast<std::size_t>(i)];
     Evaluation now = evaluate(x.data(), input.signals);
+    // From where inertia would carry the body, or from where it is: strong muscles stop what inertia extrapolates.
+    const Evaluation there = evaluate(before.q.data(), input.signals);
+    if (there.finite && !(now.finite && now.energy <= there.energy))
+        x = before.q, now = there;
+    else
+        now = evaluate(x.data(), input.signals);
     if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
     const char* why = scene_.method == Method::projective ? descend_quasi_newton(x, now, input.signals, step, report)
                                                           : descend_newton(x, now, input.signals, step, report);
@@ -551,6 +557,21 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         }
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
+        // In a stiff body rounding leaves more than is asked for: iterative refinement.
+        for (int round = 0; round < 3 && good && !(report.residual <= scene_.adjoint_tolerance); ++round) {
+            std::vector<double> correction(size_);
+            for (std::size_t i = 0; i < size_; ++i) correction[i] = -trial_[i];
+            if (!solve_positive(h, correction)) {
+                for (std::size_t i = 0; i < size_; ++i) correction[i] = -trial_[i];
+                if (!solve_indefinite(h, correction)) break;
+            }
+            std::vector<double> refined(lambda_);
+            for (std::size_t i = 0; i < size_; ++i) refined[i] += correction[i];
+            const double residual = residual_of(refined);
+            if (!(residual < report.residual)) break;
+            lambda_.swap(refined);
+            report.residual = residual;
+        }
         if (!(report.residual <= std::max(1e-9, scene_.adjoint_tolerance)))
             fail(Status::NOT_CONVERGED,
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,
