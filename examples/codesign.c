@@ -7,6 +7,7 @@
  * sections 5 to 8 of Ma et al., "DiffAqua", 2021. `codesign --help` lists the options. Only diffaqua.h, the C library
  * and POSIX are used.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,8 @@
 typedef struct job {
     options o;
     char* settings;
+    options stage;    /* o with the grid and tolerances of the running stage of the schedule; borrows from o */
+    uint64_t signals; /* of the scene that the run began with */
     scene s;
     run r;
     progress p;
@@ -83,7 +86,44 @@ static int start_run(job* w) {
     return outcome;
 }
 
-/* The gradient is proven before it is trusted: at the initial design, once. */
+/* ------------------------------------------------------------------ stages of the schedule */
+static int last_stage(const job* w) {
+    return w->r.stage + 1 == w->o.plan.n_stages;
+}
+
+static int64_t stage_end(const job* w) {
+    return w->r.stage_first + schedule_budget(&w->o.plan, w->r.stage, w->o.iterations, w->r.stage_first);
+}
+
+/* Builds the scene of stage k anew from the meshes. */
+static int build_stage(job* w, int32_t k) {
+    const schedule_stage* at = &w->o.plan.stages[k];
+    w->stage = w->o;
+    schedule_grid(&w->o.plan, k, w->o.grid, w->stage.grid);
+    w->stage.tolerance = at->tolerance;
+    /* The kernel keeps its width in metres, as far as the library can make it narrow. */
+    w->stage.sigma = at->grid * w->o.sigma > 0.2 ? at->grid * w->o.sigma : 0.2;
+    scene_free(&w->s);
+    return scene_create(&w->s, &w->stage, &w->p);
+}
+
+/* Goes to the scene of the run's stage, where every unknown has to mean what it meant before. */
+static int enter_stage(job* w) {
+    uint64_t signals = 0;
+    int outcome = build_stage(w, w->r.stage);
+    if (outcome == DONE) outcome = scene_signals(&w->s, &signals);
+    if (outcome == DONE &&
+        (signals != w->signals || w->s.n_weights != w->r.n_weights || w->s.n_control != w->r.n_control)) {
+        say("--schedule: %dx%dx%d cells find other muscles in the meshes than the first stage, which has %lld "
+            "parameters of control against %lld here; take finer stages, or give the actuators with --bases-file",
+            (int)w->stage.grid[0], (int)w->stage.grid[1], (int)w->stage.grid[2], (long long)w->r.n_control,
+            (long long)w->s.n_control);
+        outcome = FAILED;
+    }
+    return outcome;
+}
+
+/* The gradient is proven before the last stage trusts it: at its first design, once. */
 static int prove_one(job* w, int32_t with_respect_to, const char* of, gradient_proof* proof) {
     const double started = progress_clock();
     int outcome;
@@ -100,7 +140,7 @@ static int prove_one(job* w, int32_t with_respect_to, const char* of, gradient_p
 static int prove(job* w) {
     gradient_proof *weights = &w->r.proof_weights, *control = &w->r.proof_control;
     int outcome;
-    if (w->r.iteration > 0) return DONE;
+    if (w->r.iteration > w->r.stage_first || !last_stage(w)) return DONE;
     outcome = scene_set(&w->s, w->r.x, &w->p);
     /* A single base cannot vary. */
     if (outcome == DONE && w->r.n_weights > 1) outcome = prove_one(w, DQA_WRT_WEIGHTS, "weights", weights);
@@ -112,9 +152,15 @@ static int prove(job* w) {
 static int iterate(job* w) {
     history_row row = {0};
     double* gradient = malloc((size_t)w->r.n * sizeof *gradient);
-    int outcome = gradient != NULL ? scene_evaluate(&w->s, w->r.x, gradient, &row, &w->p) : say_no_memory();
+    int outcome = gradient != NULL ? DONE : say_no_memory();
+    if (outcome == DONE && run_repeats(&w->r, &row))
+        memcpy(gradient, w->r.gradient, (size_t)w->r.n * sizeof *gradient);
+    else if (outcome == DONE)
+        outcome = scene_evaluate(&w->s, w->r.x, gradient, &row, &w->p);
     if (outcome == DONE) {
         row.iteration = w->r.iteration + 1;
+        row.stage = w->r.stage;
+        row.cpu_seconds = w->r.cpu_before + progress_cpu();
         outcome = run_advance(&w->r, &row, gradient);
     }
     free(gradient);
@@ -128,13 +174,22 @@ static int iterate(job* w) {
 }
 
 static int optimise(job* w, int* converged) {
-    int outcome = DONE;
-    *converged = run_converged(&w->r);
-    while (outcome == DONE && w->r.iteration < w->o.iterations && !*converged) {
-        outcome = interrupted() ? INTERRUPTED : iterate(w);
-        if (outcome == DONE) *converged = run_converged(&w->r);
+    for (;;) {
+        const int64_t end = stage_end(w);
+        int outcome;
+        /* The cost of an iteration goes with the number of cells. */
+        progress_part(&w->p, w->r.stage + 1, w->o.plan.n_stages, end, pow(w->o.plan.stages[w->r.stage].grid, -3.0));
+        outcome = prove(w);
+        *converged = run_converged(&w->r);
+        while (outcome == DONE && w->r.iteration < end && !*converged && (last_stage(w) || !run_stalled(&w->r))) {
+            outcome = interrupted() ? INTERRUPTED : iterate(w);
+            if (outcome == DONE) *converged = run_converged(&w->r);
+        }
+        if (outcome != DONE || last_stage(w)) return outcome;
+        run_next_stage(&w->r);
+        outcome = enter_stage(w);
+        if (outcome != DONE) return outcome;
     }
-    return outcome;
 }
 
 /* ------------------------------------------------------------------ results */
@@ -156,6 +211,7 @@ static int write_results(job* w, int converged) {
     w->p.extra = 1;
     if (outcome == DONE) outcome = motion_record(&best, &w->s, w->r.best_x, &w->p);
     w->p.extra = 0;
+    w->r.first_loss = w->r.rows[0].stage == w->r.stage ? w->r.rows[0].loss : first.objective;
     progress_stage(&w->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = history_write(&w->r, w->s.space, w->o.out);
     if (outcome == DONE)
@@ -177,9 +233,9 @@ static int list_results(const job* w, int converged) {
     printf("%s after %lld iterations and %.1f s: ", converged ? "Converged" : "Done", (long long)r->iteration,
            r->seconds);
     if (objective_is_travel(r->loss))
-        printf("the swimmer travels %.2f mm (first %.2f mm)\n", -1e3 * r->best_loss, -1e3 * r->rows[0].loss);
+        printf("the swimmer travels %.2f mm (first %.2f mm)\n", -1e3 * r->best_loss, -1e3 * r->first_loss);
     else
-        printf("loss %.6g (first %.6g)\n", r->best_loss, r->rows[0].loss);
+        printf("loss %.6g (first %.6g)\n", r->best_loss, r->first_loss);
     for (int64_t i = 0; i < r->n_weights; ++i)
         printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
     printf("Files:\n");
@@ -197,14 +253,15 @@ static int list_results(const job* w, int converged) {
 /* ------------------------------------------------------------------ all of it */
 static int work(job* w) {
     int converged = 0;
-    int outcome = scene_create(&w->s, &w->o, &w->p);
+    int outcome = build_stage(w, 0);
+    if (outcome == DONE) outcome = scene_signals(&w->s, &w->signals);
     if (outcome == DONE) outcome = start_run(w);
     /* The summary is written last: while it is missing, the folder is known to be incomplete. */
     if (outcome == DONE) output_remove(w->o.out, SUMMARY_FILE);
     /* From here on there is something to come back to, and a folder that cannot be written is found out early. */
     if (outcome == DONE) outcome = checkpoint_save(&w->r, w->settings, w->o.out);
     w->p.iteration = w->r.iteration;
-    if (outcome == DONE) outcome = prove(w);
+    if (outcome == DONE && w->r.stage > 0) outcome = enter_stage(w);
     if (outcome == DONE) outcome = optimise(w, &converged);
     w->p.iterations = w->r.iteration;
     if (outcome == DONE) outcome = write_results(w, converged);

@@ -12,9 +12,10 @@
 #include "hash.h"
 #include "memory_text.h"
 #include "output.h"
+#include "progress.h"
 #include "say.h"
 
-#define MAGIC "codesign checkpoint 2\n"
+#define MAGIC "codesign checkpoint 3\n"
 #define SETTINGS_END "settings-end\n"
 
 char* checkpoint_settings(const options* o) {
@@ -33,6 +34,7 @@ char* checkpoint_settings(const options* o) {
         memory_text_add(&t, "threshold %.17g\n", o->threshold);
     else
         memory_text_add(&t, "threshold default\n");
+    schedule_add_settings(&o->plan, &t);
     for (int32_t k = 0; k < o->loss.n_terms; ++k)
         memory_text_add(&t, "objective %s %.17g\n", objective_name(o->loss.kinds[k]), o->loss.weights[k]);
     if (o->loss.n_path > 0)
@@ -99,24 +101,29 @@ static void put_proof(memory_text* t, const char* name, const gradient_proof* pr
 int checkpoint_save(const run* r, const char* settings, const char* folder) {
     memory_text t;
     output_file file;
+    const double cpu_seconds = r->cpu_before + progress_cpu();
     memory_text_begin(&t);
     memory_text_add(&t, "%s%s%s", MAGIC, settings, SETTINGS_END);
-    memory_text_add(&t, "unknowns %" PRId64 " %" PRId64 "\niteration %" PRId64 " best %" PRId64 "\n", r->n_weights,
-                    r->n_control, r->iteration, r->best_iteration);
+    memory_text_add(
+        &t, "unknowns %" PRId64 " %" PRId64 "\niteration %" PRId64 " best %" PRId64 " stage %d from %" PRId64 "\n",
+        r->n_weights, r->n_control, r->iteration, r->best_iteration, (int)r->stage, r->stage_first);
     put_numbers(&t, "seconds", &r->seconds, 1);
+    put_numbers(&t, "cpu-seconds", &cpu_seconds, 1);
     put_numbers(&t, "best-loss", &r->best_loss, 1);
     put_numbers(&t, "x", r->x, r->n);
     put_numbers(&t, "first-moment", r->first_moment, r->n);
     put_numbers(&t, "second-moment", r->second_moment, r->n);
     put_numbers(&t, "best-x", r->best_x, r->n);
+    put_numbers(&t, "gradient", r->gradient, r->n);
     put_proof(&t, "proof-weights", &r->proof_weights);
     put_proof(&t, "proof-control", &r->proof_control);
     for (int64_t k = 0; k < r->iteration; ++k) {
         const history_row* row = &r->rows[k];
-        const double numbers[4] = {row->loss, row->gradient_weights, row->gradient_control, row->seconds};
-        memory_text_add(&t, "row %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64, row->iteration, row->newton_iterations,
-                        row->linear_iterations, row->adjoint_iterations);
-        put_numbers(&t, "", numbers, 4);
+        const double numbers[5] = {row->loss, row->gradient_weights, row->gradient_control, row->seconds,
+                                   row->cpu_seconds};
+        memory_text_add(&t, "row %" PRId64 " %d %" PRId64 " %" PRId64 " %" PRId64, row->iteration, (int)row->stage,
+                        row->newton_iterations, row->linear_iterations, row->adjoint_iterations);
+        put_numbers(&t, "", numbers, 5);
         put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
     }
@@ -201,29 +208,37 @@ static int parse_state(run* r, const char* text) {
     rows = next_integer(&c);
     expect_word(&c, "best");
     r->best_iteration = next_integer(&c);
+    expect_word(&c, "stage");
+    r->stage = (int32_t)next_integer(&c);
+    expect_word(&c, "from");
+    r->stage_first = next_integer(&c);
     named_numbers(&c, "seconds", &r->seconds, 1);
+    named_numbers(&c, "cpu-seconds", &r->cpu_before, 1);
     named_numbers(&c, "best-loss", &r->best_loss, 1);
     named_numbers(&c, "x", r->x, r->n);
     named_numbers(&c, "first-moment", r->first_moment, r->n);
     named_numbers(&c, "second-moment", r->second_moment, r->n);
     named_numbers(&c, "best-x", r->best_x, r->n);
+    named_numbers(&c, "gradient", r->gradient, r->n);
     next_proof(&c, "proof-weights", &r->proof_weights);
     next_proof(&c, "proof-control", &r->proof_control);
     for (r->iteration = 0; r->iteration < rows && !c.bad; ++r->iteration) {
-        double numbers[4] = {0.0, 0.0, 0.0, 0.0};
+        double numbers[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
         history_row* row;
         if (run_reserve(r) != DONE) return FAILED;
         row = &r->rows[r->iteration];
         expect_word(&c, "row");
         row->iteration = next_integer(&c);
+        row->stage = (int32_t)next_integer(&c);
         row->newton_iterations = next_integer(&c);
         row->linear_iterations = next_integer(&c);
         row->adjoint_iterations = next_integer(&c);
-        next_numbers(&c, numbers, 4);
+        next_numbers(&c, numbers, 5);
         row->loss = numbers[0];
         row->gradient_weights = numbers[1];
         row->gradient_control = numbers[2];
         row->seconds = numbers[3];
+        row->cpu_seconds = numbers[4];
         named_numbers(&c, "terms", row->terms, OBJECTIVE_KINDS);
         named_numbers(&c, "at", r->row_x + r->iteration * r->n, r->n);
     }

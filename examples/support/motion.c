@@ -31,6 +31,9 @@ int motion_record(motion* m, scene* s, const double* x, progress* p) {
         outcome = say_status(dqa_tape_objective(s->tape, &term, 1, &m->loss, NULL), "evaluate the loss");
     }
     if (outcome == DONE)
+        outcome =
+            say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &m->objective, NULL), "evaluate the loss");
+    if (outcome == DONE)
         outcome = say_status(dqa_simulator_surface(s->simulator, NULL, 0, NULL, 0, &m->n_vertices, &m->n_triangles),
                              "measure the surface");
     if (outcome == DONE) outcome = allocate(m);

@@ -13,6 +13,7 @@ typedef struct motion {
     int64_t n_frames;   /* steps + 1: frame k is the state after k steps */
     double time_step;   /* s between frames */
     double loss;        /* m: minus the distance travelled */
+    double objective;   /* what is made smallest */
     int32_t* triangles; /* [n_triangles][3] */
     double* frames;     /* [n_frames][n_vertices][3], m */
 } motion;

@@ -43,6 +43,10 @@ static const char help[] =
     "  --iterations N    of the optimiser (40; shipped shapes 15; quick 5)\n"
     "  --steps N         time steps of 1/30 s per rollout (100; shipped shapes 60; quick 30)\n"
     "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; sharper shapes 0.4)\n"
+    "  --schedule S      none; coarse: half the cells along each axis and loose tolerances first, which is\n"
+    "                    0.5:1e-4,1:1e-6; or stages of your own, grid:tolerance or grid:tolerance:share,\n"
+    "                    where share is that of the iterations (0.6 before the last). A stage also ends when\n"
+    "                    its loss stalls (none)\n"
     "  --fixed-control   optimise the weights only; the sine stays at amplitude 1\n"
     "  --controller C    sine, or mlp: a network that sees head, centre and tail (sine)\n"
     "  --objective LIST  travel, keep (its place), efficiency, effort, path, or a sum with weights like\n"
@@ -153,7 +157,7 @@ static int add_mesh(options* o, const char* path) {
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
     const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
-        *bases_file, *threshold, *model_error;
+        *bases_file, *threshold, *model_error, *schedule;
     physics_words laws;
 } given;
 
@@ -175,6 +179,7 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--bases-file", &g->bases_file},
                  {"--threshold", &g->threshold},
                  {"--model-error", &g->model_error},
+                 {"--schedule", &g->schedule},
                  {"--interpolation", &g->laws.interpolation},
                  {"--material", &g->laws.material},
                  {"--integrator", &g->laws.integrator},
@@ -279,6 +284,7 @@ static int resolve_task(options* o, const given* g) {
         outcome = parse_count("--checkpoint-mib", g->checkpoint_mib, 1, 1000000, &o->checkpoint_mib);
     if (outcome == DONE) outcome = objective_parse(&o->loss, g->objective != NULL ? g->objective : "travel", g->path);
     if (outcome == DONE) outcome = physics_parse(&o->laws, &g->laws);
+    if (outcome == DONE) outcome = schedule_parse(&o->plan, g->schedule);
     return outcome;
 }
 

@@ -8,6 +8,7 @@
 #include "bases.h"
 #include "objective.h"
 #include "physics.h"
+#include "schedule.h"
 
 #define OPTIONS_MAX_BASES 64
 
@@ -16,6 +17,8 @@ typedef struct options {
     int64_t iterations; /* of the optimiser, >= 1 */
     int64_t steps;      /* of a rollout, >= 1 */
     int32_t threads;    /* >= 1 */
+    double tolerance;   /* of a time step; 0: the library's */
+    schedule plan;      /* of coarser grids and looser tolerances */
     double sigma;       /* width of the interpolation's kernel, in cells */
     int fixed_control;  /* only the weights are optimised */
     int mlp;            /* the controller is a perceptron, not a sine */

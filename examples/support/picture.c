@@ -139,12 +139,20 @@ static void curves(FILE* f, const run* r, const dqa_shape_space* space) {
     if (last <= 10) fputs("set xtics 1\n", f);
     panel(f, objective_is_travel(r->loss) ? "Loss: minus the distance travelled (m)" : "Loss", 0.075, width - 0.02);
     loss_range(f, r);
+    fputs("plot ", f);
+    /* Coarser grids have losses of their own. */
+    if (r->stage_first > 0)
+        fprintf(
+            f,
+            "'" HISTORY_FILE
+            "' every ::1::%lld using 1:2 with linespoints pt 7 ps 0.6 lw 2 lc rgb '#a0a0a0' title 'earlier stages', "
+            "\\\n     ",
+            (long long)r->stage_first);
     fprintf(f,
-
-            "plot '" HISTORY_FILE
-            "' every ::1 using 1:2 with linespoints lt 1 pt 7 ps 0.8 title 'loss', \\\n"
+            "'" HISTORY_FILE
+            "' every ::%lld using 1:2 with linespoints lt 1 pt 7 ps 0.8 title 'loss', \\\n"
             "     '+' every ::0::0 using (%lld):(%.9g) with points pt 6 ps 2.6 lw 2.5 lc rgb '#d55e00' title 'best'\n",
-            (long long)r->best_iteration, r->best_loss);
+            (long long)r->stage_first + 1, (long long)r->best_iteration, r->best_loss);
     panel(f, "Share of each base shape", width + 0.045, 2.0 * width - 0.02);
     weight_curves(f, r, space);
     if (n_panels == 3) {

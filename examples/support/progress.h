@@ -15,10 +15,13 @@
 #define PROGRESS_STAGES 6
 
 typedef struct progress {
-    int terminal;       /* stderr is one */
-    int64_t iterations; /* planned */
-    int64_t iteration;  /* finished */
-    int64_t extra;      /* rollouts still to come after the last iteration, for the frames */
+    int terminal;        /* stderr is one */
+    int64_t iterations;  /* planned */
+    int64_t iteration;   /* finished */
+    int32_t part, parts; /* of the schedule: the running one (from 1) of how many */
+    int64_t part_end;    /* iterations finished when the running part ends */
+    double cost;         /* of a later iteration, relative to one of this part */
+    int64_t extra;       /* rollouts still to come after the last iteration, for the frames */
     int stage;
     double loss, best; /* m; only meaningful when iteration > 0 */
     double started;    /* s: of the whole run */
@@ -30,7 +33,12 @@ typedef struct progress {
 
 /* Seconds of a clock that only goes forward. */
 double progress_clock(void);
+/* CPU seconds of this process, all threads. */
+double progress_cpu(void);
 void progress_begin(progress* p, int64_t iterations, int64_t extra);
+/* Part `part` (from 1) of a schedule begins and lasts until `end` iterations are finished; those after it take about
+ * `cost` times as long. */
+void progress_part(progress* p, int32_t part, int32_t parts, int64_t end, double cost);
 /* A stage begins or the running one ends (which teaches how long it took). */
 void progress_stage(progress* p, int stage);
 void progress_stage_done(progress* p);

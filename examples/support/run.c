@@ -13,6 +13,8 @@
 #define RATE_MLP 0.01     /* of a network, thousands of whose parameters act together */
 #define CALM_ITERATIONS 4 /* consecutive small changes that count as convergence */
 #define CALM_CHANGE 1e-6
+#define STALL_ITERATIONS 4 /* without a gain: what a coarser stage had to tell has been told */
+#define STALL_GAIN 0.01    /* relative to the best loss */
 
 static double* new_numbers(int64_t n) {
     return calloc((size_t)(n > 0 ? n : 1), sizeof(double));
@@ -33,7 +35,9 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     r->second_moment = new_numbers(r->n);
     r->rates = new_numbers(r->n);
     r->best_x = new_numbers(r->n);
-    if (r->x == NULL || r->first_moment == NULL || r->second_moment == NULL || r->rates == NULL || r->best_x == NULL) {
+    r->gradient = new_numbers(r->n);
+    if (r->x == NULL || r->first_moment == NULL || r->second_moment == NULL || r->rates == NULL || r->best_x == NULL ||
+        r->gradient == NULL) {
         run_free(r);
         return say_no_memory();
     }
@@ -51,6 +55,7 @@ void run_free(run* r) {
     free(r->second_moment);
     free(r->rates);
     free(r->best_x);
+    free(r->gradient);
     free(r->rows);
     free(r->row_x);
     memset(r, 0, sizeof *r);
@@ -81,15 +86,16 @@ int run_advance(run* r, const history_row* row, const double* gradient) {
     if (outcome != DONE) return outcome;
     r->rows[r->iteration] = *row;
     memcpy(r->row_x + r->iteration * r->n, r->x, (size_t)r->n * sizeof(double));
+    if (gradient != r->gradient) memcpy(r->gradient, gradient, (size_t)r->n * sizeof(double));
     ++r->iteration;
     if (row->loss < r->best_loss) {
         r->best_loss = row->loss;
         r->best_iteration = r->iteration;
         memcpy(r->best_x, r->x, (size_t)r->n * sizeof(double));
     }
-    outcome =
-        say_status(dqa_adam_step(r->x, gradient, r->rates, r->first_moment, r->second_moment, moving, r->iteration),
-                   "take an Adam step");
+    outcome = say_status(dqa_adam_step(r->x, gradient, r->rates, r->first_moment, r->second_moment, moving,
+                                       r->iteration - r->stage_first),
+                         "take an Adam step");
     if (outcome == DONE)
         outcome = say_status(dqa_project_simplex(r->x, r->n_weights), "project the weights onto the simplex");
     for (int64_t i = 0; i < r->n_control && !r->mlp; i += 3) {
@@ -101,8 +107,36 @@ int run_advance(run* r, const history_row* row, const double* gradient) {
     return outcome;
 }
 
+int run_repeats(const run* r, history_row* row) {
+    if (r->iteration == r->stage_first) return 0;
+    if (memcmp(r->x, r->row_x + (r->iteration - 1) * r->n, (size_t)r->n * sizeof(double)) != 0) return 0;
+    *row = r->rows[r->iteration - 1];
+    row->seconds = 0.0;
+    row->newton_iterations = row->linear_iterations = row->adjoint_iterations = 0;
+    return 1;
+}
+
+int run_stalled(const run* r) {
+    double before = HUGE_VAL;
+    const int64_t last = r->iteration - STALL_ITERATIONS;
+    if (last <= r->stage_first) return 0;
+    for (int64_t k = r->stage_first; k < last; ++k) before = fmin(before, r->rows[k].loss);
+    return before - r->best_loss <= STALL_GAIN * fabs(before);
+}
+
+void run_next_stage(run* r) {
+    if (r->best_iteration > 0) memcpy(r->x, r->best_x, (size_t)r->n * sizeof(double));
+    /* What Adam has learned about the size of gradients holds for the coarser grid alone. */
+    memset(r->first_moment, 0, (size_t)r->n * sizeof(double));
+    memset(r->second_moment, 0, (size_t)r->n * sizeof(double));
+    r->best_loss = HUGE_VAL;
+    r->best_iteration = 0;
+    r->stage_first = r->iteration;
+    ++r->stage;
+}
+
 int run_converged(const run* r) {
-    if (r->iteration <= CALM_ITERATIONS) return 0;
+    if (r->iteration - r->stage_first <= CALM_ITERATIONS) return 0;
     for (int64_t k = r->iteration - CALM_ITERATIONS; k < r->iteration; ++k) {
         const double *now = r->row_x + k * r->n, *before = now - r->n;
         if (fabs(r->rows[k].loss - r->rows[k - 1].loss) > CALM_CHANGE) return 0;

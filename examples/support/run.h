@@ -15,6 +15,8 @@ typedef struct history_row {
     double terms[OBJECTIVE_KINDS];             /* of the loss, without their weights */
     double gradient_weights, gradient_control; /* 2-norms */
     double seconds;
+    double cpu_seconds; /* of all threads since the start of the run, interrupted sessions included */
+    int32_t stage;      /* of the schedule, from 0: losses of different stages are not comparable */
     int64_t newton_iterations, linear_iterations, adjoint_iterations;
 } history_row;
 
@@ -38,15 +40,20 @@ typedef struct run {
     double* first_moment;  /* [n] of Adam */
     double* second_moment; /* [n] */
     double* rates;         /* [n] */
-    double* best_x;        /* [n]: the design of lowest loss so far */
+    double* gradient;      /* [n] of the last evaluation */
+    double* best_x;        /* [n]: the design of lowest loss so far in this stage */
     double best_loss;
     int64_t best_iteration; /* 0: none yet */
     int64_t iteration;      /* finished iterations */
+    int32_t stage;          /* of the schedule, from 0 */
+    int64_t stage_first;    /* iterations finished when it began */
+    double first_loss;      /* of the first design under the settings of the last stage */
     double seconds;         /* wall time spent so far, interrupted sessions included */
+    double cpu_before;      /* of all threads, of earlier sessions */
     history_row* rows;      /* [iteration] */
     double* row_x;          /* [iteration][n]: the design evaluated in each */
     int64_t capacity;
-    gradient_proof proof_weights, proof_control; /* at the initial design */
+    gradient_proof proof_weights, proof_control; /* at the first design of the last stage */
 } run;
 
 /* A run of the options' task at its start. `theta` [n_control] are the controller's initial parameters: (a, omega, phi)
@@ -58,7 +65,14 @@ int run_reserve(run* r);
 /* Records an evaluation of r->x, remembers the best, and moves x by one Adam step along `gradient` [n], back onto the
  * simplex and into the controller's bounds. */
 int run_advance(run* r, const history_row* row, const double* gradient);
-/* 1 when neither loss nor design moved by more than 1e-6 for several iterations. */
+/* 1 when r->x is, to the bit, the design evaluated last, as at a vertex of the simplex: *row and r->gradient then are
+ * its evaluation, which took no work. */
+int run_repeats(const run* r, history_row* row);
+/* 1 when neither loss nor design moved by more than 1e-6 for several iterations of this stage. */
 int run_converged(const run* r);
+/* 1 when the best loss of this stage has hardly improved for several iterations. */
+int run_stalled(const run* r);
+/* Goes on from the best design of this stage in the next one. */
+void run_next_stage(run* r);
 
 #endif

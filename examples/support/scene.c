@@ -6,8 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "hash.h"
 #include "interrupt.h"
 #include "say.h"
+
+#define DEFAULT_TOLERANCE 1e-6 /* of a step: the library's */
 
 static int add_meshes(scene* s, const options* o) {
     int outcome = DONE;
@@ -44,6 +47,8 @@ static int build_space(scene* s, const options* o, progress* p) {
     settings.sigma = o->sigma;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
+    /* Looser steps need no tighter shapes: both keep the ratio of their defaults. */
+    if (o->tolerance > 0.0) settings.tolerance *= o->tolerance / DEFAULT_TOLERANCE;
     physics_of_space(&o->laws, &settings);
     progress_stage(p, PROGRESS_SPACE);
     if (o->list.n_actuators > 0) outcome = find_cell_size(s, o, &settings);
@@ -98,6 +103,10 @@ static int build_simulator(scene* s, const options* o) {
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     if (o->threshold >= 0.0) settings.threshold = o->threshold;
+    if (o->tolerance > 0.0) {
+        settings.adjoint_tolerance *= o->tolerance / settings.tolerance;
+        settings.tolerance = o->tolerance;
+    }
     physics_of_simulator(&o->laws, &settings);
     if (o->model_error > 0.0) outcome = choose_threshold(s, o, &settings);
     if (outcome != DONE) return outcome;
@@ -158,6 +167,23 @@ int scene_swim(scene* s, const double* x, progress* p) {
     return outcome;
 }
 
+int scene_signals(const scene* s, uint64_t* number) {
+    dqa_shape_space_info info;
+    int outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
+    *number = 0;
+    for (int32_t k = 0; outcome == DONE && k < info.n_signals; ++k) {
+        dqa_signal_info signal;
+        outcome = say_status(dqa_shape_space_signal(s->space, k, &signal, sizeof signal), "read a signal");
+        if (outcome == DONE) {
+            const int32_t words[4] = {signal.category, signal.kind, signal.layer, signal.group};
+            uint64_t both[2] = {*number, 0};
+            both[1] = hash_bytes(words, sizeof words);
+            *number = hash_bytes(both, sizeof both);
+        }
+    }
+    return outcome;
+}
+
 static int statistics_of(const scene* s, dqa_tape_statistics* statistics) {
     return say_status(dqa_tape_stats(s->tape, statistics, sizeof *statistics), "read the tape's statistics");
 }
@@ -206,6 +232,7 @@ int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row
     row->linear_iterations = after.linear_iterations;
     row->adjoint_iterations = after.adjoint_iterations - before.adjoint_iterations;
     row->seconds = progress_clock() - started;
+    row->cpu_seconds = progress_cpu();
     if (!isfinite(row->loss) || !isfinite(row->gradient_weights) || !isfinite(row->gradient_control)) {
         say("the loss or its gradient is not a finite number");
         return FAILED;

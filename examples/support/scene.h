@@ -36,7 +36,10 @@ void scene_free(scene* s);
 int scene_set(scene* s, const double* x, progress* p);
 /* Swims: scene_set, then a recorded rollout. */
 int scene_swim(scene* s, const double* x, progress* p);
-/* Loss of x and its gradient [n_weights + n_control]; fills all of *row but its iteration. */
+/* Tells sets of signals apart: two scenes of the same number have the same muscles to drive, in the same order, so that
+ * the parameters of a controller mean the same in both. */
+int scene_signals(const scene* s, uint64_t* number);
+/* Loss of x and its gradient [n_weights + n_control]; fills all of *row but its iteration and stage. */
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
 /* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL, in words `of`) by the library's finite
  * differences, which want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but

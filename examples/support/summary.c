@@ -7,6 +7,22 @@
 #include "output.h"
 #include "say.h"
 
+static void write_schedule(json* j, const options* o) {
+    json_open(j, "schedule", '[');
+    for (int32_t k = 0; k < o->plan.n_stages && o->plan.n_stages > 1; ++k) {
+        int32_t cells[3];
+        schedule_grid(&o->plan, k, o->grid, cells);
+        json_open(j, NULL, '{');
+        json_open(j, "grid", '[');
+        for (int i = 0; i < 3; ++i) json_integer(j, NULL, cells[i]);
+        json_close(j, ']');
+        json_number(j, "tolerance", o->plan.stages[k].tolerance);
+        json_number(j, "share", o->plan.stages[k].share);
+        json_close(j, '}');
+    }
+    json_close(j, ']');
+}
+
 static void write_settings(json* j, const options* o, const run* r, const scene* s) {
     json_open(j, "settings", '{');
     json_open(j, "grid", '[');
@@ -15,6 +31,7 @@ static void write_settings(json* j, const options* o, const run* r, const scene*
     json_integer(j, "iterations", o->iterations);
     json_integer(j, "steps", o->steps);
     json_number(j, "sigma", o->sigma);
+    write_schedule(j, o);
     json_number(j, "time_step", SCENE_TIME_STEP);
     json_boolean(j, "fixed_control", o->fixed_control);
     json_boolean(j, "quick", o->quick);
@@ -66,6 +83,7 @@ static void write_design(json* j, const char* key, const run* r, int64_t iterati
     const double* x = r->row_x + (iteration - 1) * r->n;
     json_open(j, key, '{');
     json_integer(j, "iteration", iteration);
+    json_integer(j, "stage", r->rows[iteration - 1].stage + 1);
     json_number(j, "loss", r->rows[iteration - 1].loss);
     for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
         json_number(j, objective_name(r->loss->kinds[k]), r->rows[iteration - 1].terms[k]);
@@ -135,7 +153,7 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     json_string(&j, "status", converged ? "converged" : "all iterations done");
     json_integer(&j, "iterations", r->iteration);
     json_number(&j, "seconds", r->seconds);
-    json_number(&j, "loss_first", r->rows[0].loss);
+    json_number(&j, "loss_first", r->first_loss);
     json_number(&j, "loss_last", r->rows[r->iteration - 1].loss);
     json_number(&j, "loss_best", r->best_loss);
     json_open(&j, "bases", '[');
@@ -148,7 +166,7 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     write_design(&j, "best", r, r->best_iteration);
     write_design(&j, "last", r, r->iteration);
     json_open(&j, "gradient_check", '{');
-    json_string(&j, "design", "initial");
+    json_string(&j, "design", r->stage_first > 0 ? "first of the last stage" : "initial");
     json_integer(&j, "n_steps", SCENE_PROOF_STEPS);
     write_proof(&j, "weights", &r->proof_weights);
     write_proof(&j, "control", &r->proof_control);

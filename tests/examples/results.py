@@ -32,8 +32,8 @@ def read_history(folder):
 
 def history_without_seconds(folder):
     names, rows = read_history(folder)
-    column = names.index("seconds")
-    return [row[:column] + row[column + 1:] for row in [names, *rows]]
+    clocks = {names.index("seconds"), names.index("cpu_seconds")}
+    return [[text for k, text in enumerate(row) if k not in clocks] for row in [names, *rows]]
 
 
 def read_summary(folder):

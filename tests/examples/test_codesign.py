@@ -70,8 +70,11 @@ class Quick(Scratch):
         names, rows = results.read_history(self.out)
         bases = results.read_summary(self.out)["bases"]
         self.assertEqual(names, ["iteration", "loss", *("weight_" + base for base in bases), "a", "omega", "phi",
-                                 "grad_norm_weights", "grad_norm_control", "seconds", "newton_iterations",
-                                 "linear_iterations", "adjoint_iterations"])
+                                 "grad_norm_weights", "grad_norm_control", "seconds", "cpu_seconds",
+                                 "newton_iterations", "linear_iterations", "adjoint_iterations", "stage"])
+        spent = [float(row[names.index("cpu_seconds")]) for row in rows]
+        self.assertEqual(spent, sorted(spent))
+        self.assertEqual({row[-1] for row in rows}, {"1"})
         self.assertEqual([int(row[0]) for row in rows], list(range(1, len(rows) + 1)))
         for row in rows:
             weights = [float(text) for text in row[2:2 + len(bases)]]
@@ -154,15 +157,17 @@ class Quick(Scratch):
 class Resume(Scratch):
     """An interrupted run goes on bit for bit."""
 
+    MORE = ()
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.reference = os.path.join(cls.root, "reference")
-        cls.process = results.run(PROGRAM, *SMALL, "--out", cls.reference)
+        cls.process = results.run(PROGRAM, *SMALL, *cls.MORE, "--out", cls.reference)
 
     def interrupt(self, out, number, after):
         """Starts a run and sends it the signal once `after` iterations are on disk; the finished process."""
-        with subprocess.Popen([PROGRAM, *SMALL, "--out", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        with subprocess.Popen([PROGRAM, *SMALL, *self.MORE, "--out", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                               text=True) as process:
             seen, lines = 0, []
             while seen < after:
@@ -183,14 +188,14 @@ class Resume(Scratch):
         self.assert_nothing_half_written(out)
 
     def resume(self, out, *more):
-        process = self.codesign(*SMALL, "--resume", "--out", out, *more)
+        process = self.codesign(*SMALL, *self.MORE, "--resume", "--out", out, *more)
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("continuing after iteration", process.stderr)
 
     def test_the_same_settings_give_the_same_bits_on_other_thread_counts(self):
         out = self.path("threads")
         self.assertEqual(self.process.returncode, 0, self.process.stderr)
-        self.assertEqual(self.codesign(*SMALL, "--threads", 3, "--out", out).returncode, 0)
+        self.assertEqual(self.codesign(*SMALL, *self.MORE, "--threads", 3, "--out", out).returncode, 0)
         self.assert_same_as_reference(out)
 
     def test_ctrl_c(self):
@@ -214,7 +219,7 @@ class Resume(Scratch):
 
     def test_more_iterations(self):
         out = self.path("longer")
-        self.assertEqual(self.codesign(*SMALL, "--iterations", 2, "--out", out).returncode, 0)
+        self.assertEqual(self.codesign(*SMALL, *self.MORE, "--iterations", 2, "--out", out).returncode, 0)
         self.resume(out)
         self.assert_same_as_reference(out)
 
@@ -230,7 +235,7 @@ class Resume(Scratch):
                            (["--fixed-control"], "control"), (["--sigma", "1"], "sigma"),
                            (["--threshold", "0.1"], "threshold"), (["--model-error", "0.1"], "model-error"),
                            (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
-            process = self.codesign(*SMALL, "--resume", "--out", self.reference, *more)
+            process = self.codesign(*SMALL, *self.MORE, "--resume", "--out", self.reference, *more)
             self.assertEqual(process.returncode, 2, process.stderr)
             self.assertIn(word, process.stderr)
         self.assertEqual(results.history_without_seconds(self.reference), before)
@@ -244,9 +249,104 @@ class Resume(Scratch):
             os.makedirs(out, exist_ok=True)
             with open(os.path.join(out, "checkpoint.txt"), "wb") as stream:
                 stream.write(content)
-            process = self.codesign(*SMALL, "--resume", "--out", out)
+            process = self.codesign(*SMALL, *self.MORE, "--resume", "--out", out)
             self.assertEqual(process.returncode, 1, process.stderr)
             self.assertIn("damaged", process.stderr)
+
+
+class Schedule(Resume):
+    """A schedule of stages: what holds of an interrupted run holds in and between its stages, and more."""
+
+    MORE = ("--schedule", "0.7:1e-4:0.5,1:1e-6")
+
+    def test_stages(self):
+        names, rows = results.read_history(self.reference)
+        self.assertEqual([row[names.index("stage")] for row in rows], ["1", "1", "2", "2"])
+        summary = results.read_summary(self.reference)
+        bases = len(summary["bases"])
+        last = [row for row in rows if row[names.index("stage")] == "2"]
+        best = min(last, key=lambda row: float(row[1]))
+        self.assertEqual(summary["loss_best"], float(best[1]))
+        self.assertEqual(summary["weights"], [float(text) for text in best[2:2 + bases]])
+        self.assertEqual([stage["grid"] for stage in summary["settings"]["schedule"]], [[17, 8, 8], [24, 10, 12]])
+        # The design is handed on: the last stage starts from the best one of the first.
+        first = min(rows[:2], key=lambda row: float(row[1]))
+        self.assertEqual(last[0][2:2 + bases + 3], first[2:2 + bases + 3])
+        self.assertEqual(summary["gradient_check"]["design"], "first of the last stage")
+        for name in ("weights", "control"):
+            self.assertLessEqual(summary["gradient_check"][name]["relative_error"], 1e-6, name)
+        # The last stage is a run of its own from there, and the first loss is that of the first design on the last grid.
+        out, start = self.path("alone"), self.path("start")
+        self.assertEqual(self.codesign(*SMALL, "--iterations", 1, "--out", start).returncode, 0)
+        self.assertEqual(results.read_summary(start)["loss_first"], summary["loss_first"])
+        self.assertLess(summary["loss_best"], summary["loss_first"])
+        self.assertEqual(self.codesign(*SMALL, *self.MORE, "--iterations", 1, "--out", out).returncode, 0)
+        self.assertEqual(results.read_history(out)[1][0][1], results.read_history(start)[1][0][1])
+
+    def test_a_stage_ends_when_its_loss_stalls(self):
+        out = self.path("stalled")
+        # One base under a fixed sine has nothing to vary: the coarse stage is over after the fewest iterations.
+        tuna = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes", "tuna.stl")
+        process = self.codesign(*SMALL, "--iterations", 20, "--fixed-control", *self.MORE, "--out", out, tuna)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        names, rows = results.read_history(out)
+        self.assertEqual([row[names.index("stage")] for row in rows], ["1"] * 5 + ["2"] * 5)
+        self.assertRegex(process.stderr, r"iteration 6/20  stage 2/2 ")
+
+    def test_more_iterations(self):
+        """They go to the last stage: shares of the iterations are those of the run that was started."""
+        out = self.path("longer")
+        self.assertEqual(self.codesign(*SMALL, *self.MORE, "--iterations", 2, "--out", out).returncode, 0)
+        self.resume(out)
+        names, rows = results.read_history(out)
+        self.assertEqual([row[names.index("stage")] for row in rows], ["1", "2", "2", "2"])
+
+    def test_refuses_another_schedule(self):
+        process = self.codesign(*SMALL, "--resume", "--out", self.reference)
+        self.assertEqual(process.returncode, 2, process.stderr)
+        self.assertIn("schedule", process.stderr)
+
+    def test_fewer_iterations_than_are_done(self):
+        out = self.path("fewer")
+        self.interrupt(out, signal.SIGKILL, 2)
+        self.resume(out, "--iterations", 1)
+        names, rows = results.read_history(out)
+        self.assertEqual(rows[-1][names.index("stage")], "2")
+
+
+class Repeats(Scratch):
+    """A design that does not change is evaluated once."""
+
+    def test_a_vertex(self):
+        for number, meshes in enumerate(((), ("tuna.stl",))):
+            out = self.path(f"vertex-{number}")
+            shapes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
+            # Of these shapes the first is the fastest already.
+            start = () if meshes else ("--weights", "1,0,0,0")
+            process = self.codesign(*SMALL, "--iterations", 12, "--fixed-control", *start, "--out", out,
+                                    *(os.path.join(shapes, mesh) for mesh in meshes))
+            self.assertEqual(process.returncode, 0, process.stderr)
+            names, rows = results.read_history(out)
+            work = names.index("newton_iterations")
+            control = names.index("grad_norm_control")
+            repeated = 0
+            for before, row in zip(rows, rows[1:]):
+                same = row[2:control] == before[2:control]
+                repeated += same
+                self.assertEqual(int(row[work]) == 0, same)
+                if same:
+                    self.assertEqual(row[1:control + 1], before[1:control + 1])
+            if meshes:
+                self.assertEqual(repeated, 4)
+                self.assertEqual(len(rows), 5)
+            again = self.path(f"again-{number}")
+            shutil.copytree(out, again)
+            process = self.codesign(*SMALL, "--iterations", 12, "--fixed-control", *start, "--out", again, "--resume",
+                                    *(os.path.join(shapes, mesh) for mesh in meshes))
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertEqual(results.history_without_seconds(out), results.history_without_seconds(again))
+            with open(os.path.join(out, "design.stl"), "rb") as a, open(os.path.join(again, "design.stl"), "rb") as b:
+                self.assertEqual(a.read(), b.read())
 
 
 class Tasks(Scratch):
@@ -454,6 +554,14 @@ class Refusals(Scratch):
                 stream.write(text)
             self.refuse(2, "still.txt: expected lines of four numbers.*m/s", "--current-file", path)
 
+    def test_schedule(self):
+        for text in ("", "fast", "0.5:1e-4", "0.5:1e-4,0.9:1e-6", "0.5:1e-4,1", "0.5,1", "1:1e-6:0.5", "0.05:1e-4,1:1e-6",
+                     "1.5:1e-4,1:1e-6", "0.5:0,1:1e-6", "0.5:1e-4,1:0.1", "0.5:nan,1:1e-6", "nan:1e-4,1:1e-6",
+                     "0.5:1e-4:1,1:1e-6", "0.5:1e-4:0.5,0.7:1e-4:0.5,1:1e-6", "0.5:1e-4;1:1e-6", "0.5:1e-4,1:1e-6,",
+                     "0.5:1e-4,1:1e-6x"):
+            self.refuse(2, "--schedule expects", "--schedule", text)
+        self.refuse(2, "at most 8 stages", "--schedule", ",".join(["0.5:1e-4"] * 8 + ["1:1e-6"]))
+
     def test_weights(self):
         self.refuse(2, "sum to 1", "--weights", "0.5,0.5,0.5,0.5")
         self.refuse(2, "2 weights for 4 meshes", "--weights", "0.5,0.5")
@@ -530,7 +638,7 @@ class Refusals(Scratch):
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
                        "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib",
                        "--threshold", "--model-error", "--bases-file", "--automatic-fins", "--interpolation", "--material", "--integrator", "--planar",
-                       "--current", "--current-file"):
+                       "--current", "--current-file", "--schedule"):
             self.assertIn(option, process.stdout)
 
 
