@@ -4,8 +4,8 @@
 
     charts.py [--results DIR] [--charts DIR] [name ...]
 
-Names: work_precision_<scene>, rollout_<scene>, threshold, scaling, barycenter, stability; default all whose CSV files
-are there. Titles are made from the figures. A ring marks what the library does by default.
+Names: work_precision_<scene>, rollout_<scene>, threshold, scaling, barycenter, schedule, stability; default all whose
+CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
 """
 import argparse
 import csv
@@ -299,6 +299,40 @@ def barycenter(results, charts):
          f"shape back to IoU {best:.3f}", panels, width=1320)
 
 
+def schedule(results, charts):
+    """Loss of the last stage over the CPU seconds spent, with and without a schedule, a panel for each start."""
+    rows = read(results, "schedule")
+    if not rows:
+        return
+    starts = list(dict.fromkeys(str(r["start"]) for r in rows))
+    names = list(dict.fromkeys(str(r["schedule"]) for r in rows))
+    panels, gains = [], []
+    for start in starts:
+        curves, reached = [], {}
+        runs = {name: [r for r in rows if str(r["start"]) == start and str(r["schedule"]) == name] for name in names}
+        runs = {name: group for name, group in runs.items() if group}
+        lasts = {name: [r for r in group if r["stage"] == group[-1]["stage"]] for name, group in runs.items()}
+        # Where the run without a schedule ends up, to a hundredth.
+        least = min(r["loss"] for r in lasts[next(iter(lasts))])
+        for (name, group), colour in zip(runs.items(), FIVE):
+            last = lasts[name]
+            reached[name] = next((r["seconds"] for r in last if r["loss"] <= least + 0.01 * abs(least)), None)
+            at = next((r for r in last if r["seconds"] == reached[name]), None)
+            label = f"schedule {name}" if name != "none" else "no schedule"
+            curves.append(Curve(label, colour, [(r["seconds"], r["loss"]) for r in last],
+                                rings=[(at["seconds"], at["loss"])] if at else ()))
+            if len(last) < len(group):
+                curves.append(Curve(f"{name}, its coarser stages (losses of their own)", colour,
+                                    [(r["seconds"], r["loss"]) for r in group if r not in last], dash=3, style="lines"))
+        times = list(reached.values())
+        if len(times) > 1 and times[0] and times[1]:
+            gains.append(f"{times[1]:.1f} s instead of {times[0]:.1f} s")
+        panels.append(Panel(f"Start {start} (ring: within 1 % of the least loss without)", "CPU seconds", "loss (m)",
+                            curves, log="", extra=["set xrange [0:*]", "set lmargin 12"]))
+    title = "Coarse and loose first" + (": the same optimum after " + " and ".join(gains) if gains else "")
+    draw(charts / "schedule.svg", title, panels)
+
+
 # Shape and colour both tell the outcome: filled circle, open diamond, filled triangle, cross.
 OUTCOMES = {"accurate": (BLUE, 7, "right"), "reported": (ORANGE, 12, "not solved, and said so"),
             "silent": (RED, 9, "wrong, silently"), "nan": (BLACK, 2, "not a number")}
@@ -350,7 +384,7 @@ def main():
     jobs = {f"work_precision_{s}": lambda s=s: work_precision(options.results, options.charts, s) for s in SCENES}
     jobs |= {f"rollout_{s}": lambda s=s: rollout(options.results, options.charts, s) for s in SCENES}
     jobs |= {f.__name__: lambda f=f: f(options.results, options.charts)
-             for f in (threshold, scaling, barycenter, stability)}
+             for f in (threshold, scaling, barycenter, schedule, stability)}
     for name in options.names:
         if name not in jobs:
             sys.exit(f"charts: there is no chart '{name}'; there are {', '.join(jobs)}")

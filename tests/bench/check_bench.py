@@ -3,6 +3,7 @@
 """Runs a benchmark on a small scene and checks its columns and that errors are what each method promises; no timings.
 
     check_bench.py step|rollout PROGRAM
+    check_bench.py schedule CODESIGN
     check_bench.py charts
 """
 import csv
@@ -118,6 +119,28 @@ def rollout(program):
     require("reference" in methods, "the reference is missing")
 
 
+def compared(program):
+    """The comparison of schedules: its columns, its stages, and the same optimum with and without."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "schedule.csv"
+        done = subprocess.run([sys.executable, "-B", HERE / "bench_schedule.py", "--quick", "--csv", path, program],
+                              text=True, capture_output=True, check=False)
+        print(done.stdout, done.stderr)
+        require(done.returncode == 0, "bench_schedule.py ended with", done.returncode)
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    best = {}
+    for name, stages in (("none", {"1"}), ("coarse", {"1", "2"})):
+        group = [r for r in rows if r["schedule"] == name]
+        require({r["stage"] for r in group} == stages, "stages of", name)
+        seconds = [float(r["seconds"]) for r in group]
+        require(seconds == sorted(seconds) and seconds[0] > 0, "seconds of", name)
+        for r in group:
+            require(abs(sum(float(r[key]) for key in r if key.startswith("weight_")) - 1) <= 1e-9, "weights of", r)
+        best[name] = min(float(r["loss"]) for r in group if r["stage"] == group[-1]["stage"])
+    require(best["coarse"] <= best["none"] + 0.05 * abs(best["none"]), "the schedule loses the optimum:", best)
+
+
 def charts(_=None):
     """Every chart is drawn from rows of the promised columns and is an SVG that holds its curves."""
     with tempfile.TemporaryDirectory() as folder:
@@ -147,6 +170,9 @@ def charts(_=None):
               "vertex_iou,gradient_error,peak_mib",
               [[2, "60x16x26", sigma, method, t, 1, 50, 100 / sigma - ms * math.log(t), 30, t, 1 - 0.05 * sigma, 10 * t,
                 60] for sigma in (0.4, 1.0) for method, ms in (("anderson", 5), ("plain", 50)) for t in (1e-3, 1e-9)])
+        write("schedule", "start,schedule,iteration,stage,seconds,loss,weight_a,weight_b",
+              [["0.5 0.5", name, k, 2 if k > own else 1, cost * k, -0.01 * (1 - 0.5 ** k), 0.5, 0.5]
+               for name, own, cost in (("none", 0, 2), ("coarse", 6, 1)) for k in range(1, 12)])
         outcomes = ("accurate", "reported", "silent", "nan")
         write("stability_map", "axis_x,value_x,axis_y,value_y,method,outcome,steps_done,residual,state_error,"
               "gradient_error,inverted_cells,max_speed,reason",
@@ -156,7 +182,7 @@ def charts(_=None):
         done = subprocess.run([sys.executable, "-B", HERE / "charts.py", "--results", folder, "--charts", folder],
                               text=True, capture_output=True, check=False)
         require(done.returncode == 0, done.stdout, done.stderr)
-        for name in ("work_precision_eel", "threshold", "scaling", "rollout_eel", "barycenter", "stability"):
+        for name in ("work_precision_eel", "threshold", "scaling", "rollout_eel", "barycenter", "schedule", "stability"):
             path = folder / f"{name}.svg"
             require(path.exists(), name, "was not drawn:", done.stdout)
             texts = " ".join(xml.etree.ElementTree.parse(path).getroot().itertext())
@@ -168,4 +194,4 @@ def charts(_=None):
 
 
 if __name__ == "__main__":
-    {"step": step, "rollout": rollout, "charts": charts}[sys.argv[1]](*sys.argv[2:3])
+    {"step": step, "rollout": rollout, "schedule": compared, "charts": charts}[sys.argv[1]](*sys.argv[2:3])

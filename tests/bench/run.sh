@@ -83,5 +83,8 @@ else
         --csv "$results/rollout_$animals.csv"
 fi
 case $programs in *bench_barycenter*) bench bench_barycenter $quick --csv "$results/barycenter.csv" ;; esac
+cmake --build --preset default --target codesign
+echo "run: bench_schedule.py $quick"
+python3 -B tests/bench/bench_schedule.py $quick --csv "$results/schedule.csv" "$build/examples/codesign"
 case $programs in *stability_map*) bench stability_map $quick --csv "$results/stability_map.csv" ;; esac
 python3 -B tests/bench/charts.py --results "$results" --charts "$charts"
