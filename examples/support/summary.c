@@ -9,7 +9,8 @@
 
 static void write_schedule(json* j, const options* o) {
     json_open(j, "schedule", '[');
-    for (int32_t k = 0; k < o->plan.n_stages && o->plan.n_stages > 1; ++k) {
+    /* Empty when all is done on one grid with the library's tolerances. */
+    for (int32_t k = 0; k < o->plan.n_stages && o->plan.stages[k].tolerance > 0.0; ++k) {
         int32_t cells[3];
         schedule_grid(&o->plan, k, o->grid, cells);
         json_open(j, NULL, '{');
