@@ -36,8 +36,7 @@
 typedef struct job {
     options o;
     char* settings;
-    options stage;    /* o with the grid and tolerances of the running stage of the schedule; borrows from o */
-    uint64_t signals; /* of the scene that the run began with */
+    options stage; /* o with the grid and tolerances of the running stage of the schedule; borrows from o */
     scene s;
     run r;
     progress p;
@@ -107,18 +106,21 @@ static int build_stage(job* w, int32_t k) {
     return scene_create(&w->s, &w->stage, &w->p);
 }
 
-/* Goes to the scene of the run's stage, where every unknown has to mean what it meant before. */
-static int enter_stage(job* w) {
-    uint64_t signals = 0;
-    int outcome = build_stage(w, w->r.stage);
-    if (outcome == DONE) outcome = scene_signals(&w->s, &signals);
-    if (outcome == DONE &&
-        (signals != w->signals || w->s.n_weights != w->r.n_weights || w->s.n_control != w->r.n_control)) {
-        say("--schedule: %dx%dx%d cells find other muscles in the meshes than the first stage, which has %lld "
-            "parameters of control against %lld here; take finer stages, or give the actuators with --bases-file",
-            (int)w->stage.grid[0], (int)w->stage.grid[1], (int)w->stage.grid[2], (long long)w->r.n_control,
-            (long long)w->s.n_control);
-        outcome = FAILED;
+/* Builds the scenes from the last stage to the first, which stays: every unknown has to mean the same in all, and a
+ * grid that is too coarse to find the same muscles is refused before any work goes into it. */
+static int check_stages(job* w) {
+    uint64_t wanted = 0, found = 0;
+    int outcome = DONE;
+    for (int32_t k = w->o.plan.n_stages - 1; k >= 0 && outcome == DONE; --k) {
+        outcome = build_stage(w, k);
+        if (outcome == DONE) outcome = scene_signals(&w->s, &found);
+        if (k + 1 == w->o.plan.n_stages) wanted = found;
+        if (outcome == DONE && found != wanted) {
+            say("--schedule: on %dx%dx%d cells the meshes have other muscles than on the grid asked for; take a finer "
+                "stage, or give the actuators with --bases-file",
+                (int)w->stage.grid[0], (int)w->stage.grid[1], (int)w->stage.grid[2]);
+            outcome = FAILED;
+        }
     }
     return outcome;
 }
@@ -187,7 +189,7 @@ static int optimise(job* w, int* converged) {
         }
         if (outcome != DONE || last_stage(w)) return outcome;
         run_next_stage(&w->r);
-        outcome = enter_stage(w);
+        outcome = build_stage(w, w->r.stage);
         if (outcome != DONE) return outcome;
     }
 }
@@ -253,15 +255,14 @@ static int list_results(const job* w, int converged) {
 /* ------------------------------------------------------------------ all of it */
 static int work(job* w) {
     int converged = 0;
-    int outcome = build_stage(w, 0);
-    if (outcome == DONE) outcome = scene_signals(&w->s, &w->signals);
+    int outcome = check_stages(w);
     if (outcome == DONE) outcome = start_run(w);
     /* The summary is written last: while it is missing, the folder is known to be incomplete. */
     if (outcome == DONE) output_remove(w->o.out, SUMMARY_FILE);
     /* From here on there is something to come back to, and a folder that cannot be written is found out early. */
     if (outcome == DONE) outcome = checkpoint_save(&w->r, w->settings, w->o.out);
     w->p.iteration = w->r.iteration;
-    if (outcome == DONE && w->r.stage > 0) outcome = enter_stage(w);
+    if (outcome == DONE && w->r.stage > 0) outcome = build_stage(w, w->r.stage);
     if (outcome == DONE) outcome = optimise(w, &converged);
     w->p.iterations = w->r.iteration;
     if (outcome == DONE) outcome = write_results(w, converged);

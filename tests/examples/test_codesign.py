@@ -301,6 +301,19 @@ class Schedule(Resume):
         names, rows = results.read_history(out)
         self.assertEqual([row[names.index("stage")] for row in rows], ["1", "2", "2", "2"])
 
+    def test_refuses_a_grid_on_which_the_muscles_are_others(self):
+        """Fins that a coarse grid does not resolve; seen on real animals before any iteration."""
+        data = os.environ.get("DQA_TEST_DATA", "")
+        meshes = [os.path.join(data, name) for name in ("Orca.stl", "GreatWhiteShark.stl")]
+        if not data or not all(map(os.path.exists, meshes)):
+            self.skipTest("DQA_TEST_DATA does not name a folder with Orca.stl and GreatWhiteShark.stl")
+        out = self.path("muscles")
+        process = self.codesign("--grid", "56x14x24", "--automatic-fins", "--schedule", "coarse", "--out", out, *meshes)
+        self.assertEqual(process.returncode, 1, process.stderr)
+        self.assertIn("on 28x8x12 cells the meshes have other muscles", process.stderr)
+        self.assertNotIn("iteration", process.stderr)
+        self.assertFalse(os.path.exists(out))
+
     def test_refuses_another_schedule(self):
         process = self.codesign(*SMALL, "--resume", "--out", self.reference)
         self.assertEqual(process.returncode, 2, process.stderr)
