@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <Eigen/Cholesky>
 #include <limits>
 
 #include "body/fibre_turn.hpp"
@@ -16,7 +15,6 @@ namespace {
 
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
-constexpr double kBalance = 10.0;     // tolerances of the way moved that a step leaves free in rigid motion
 
 double norm(const double* a, std::size_t n) {
     return std::sqrt(ordered_dot(a, a, n));
@@ -294,61 +292,6 @@ double Stepper::target(const Evaluation& now) const {
 
 bool Stepper::converged(const Evaluation& now) const {
     return now.residual <= target(now);
-}
-
-// The forces on the nodes and those on the body as a whole are both in balance. Where only the latter are not, the body
-// is moved as a whole, which leaves its internal forces as they are.
-bool Stepper::settled(std::vector<double>& x, Evaluation& now, const double* signals) {
-    return converged(now) && balance(x, now, signals);
-}
-
-bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* signals) {
-    if (free_ == RigidBalance::Free::none) return true;
-    const std::vector<double>& mass = design_->mass();
-    const double b2 = beta_ * beta_;
-    for (int k = 0; k < 4 && converged(now); ++k) {
-        const RigidBalance whole(free_, mass, piece_, x.data());
-        double way2 = 0.0, places2 = 0.0;
-        for (std::size_t i = 0; i < size_; ++i) {
-            way2 += mass[i / 3] * (x[i] - base_[i]) * (x[i] - base_[i]);
-            places2 += mass[i / 3] * x[i] * x[i];
-        }
-        double lever2 = 0.0;  // rounding of forces adds up over it
-        for (std::size_t m = 0; m < whole.size(); ++m) {
-            double longest = 0.0;
-            for (const double u : whole.field(m)) longest = std::max(longest, std::fabs(u));
-            lever2 += longest * longest;
-        }
-        const double allowed = kBalance * scene_.tolerance * std::sqrt(way2) +
-                               std::numeric_limits<double>::epsilon() * std::sqrt(places2) +
-                               b2 * noise_ * std::sqrt(lever2);
-        const std::vector<double> sums = whole.sums(gradient_.data());
-        const double free = b2 * norm(sums.data(), sums.size());
-        if (free <= allowed) return true;
-        // Newton's step within the rigid motions.
-        const Eigen::Index n = static_cast<Eigen::Index>(whole.size());
-        Eigen::MatrixXd h(n, n);
-        for (Eigen::Index m = 0; m < n; ++m) {
-            apply_hessian(whole.field(static_cast<std::size_t>(m)).data(), trial_.data());
-            const std::vector<double> column = whole.sums(trial_.data());
-            h.col(m) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
-        }
-        const Eigen::LLT<Eigen::MatrixXd> factor(0.5 * (h + h.transpose()));
-        const Eigen::Map<const Eigen::VectorXd> right(sums.data(), n);
-        const Eigen::VectorXd c =
-            factor.info() == Eigen::Success ? Eigen::VectorXd(-factor.solve(right)) : Eigen::VectorXd(-b2 * right);
-        candidate_ = x;
-        whole.move({c.data(), c.data() + n}, candidate_.data());
-        const Evaluation next = evaluate(candidate_.data(), signals);
-        const bool better = next.finite && whole.norm_of(gradient_.data()) * b2 <= 0.5 * free;
-        if (!better) {
-            now = evaluate(x.data(), signals);
-            return now.residual <= kNoise * noise_;  // the rounding of the positions
-        }
-        x.swap(candidate_);
-        now = next;
-    }
-    return false;
 }
 
 // How exactly a linear system is solved: as far as this iteration can use.
