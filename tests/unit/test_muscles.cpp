@@ -147,7 +147,7 @@ void test_rollout_by_alpha() {
         const Interpolation way = k % 2 ? Interpolation::bures : Interpolation::linear;
         const auto space = k < 2 ? winged_space(way, true) : winged_plane(way);
         SceneSettings scene = tight_scene();
-        scene.tolerance = 1e-12;
+        scene.tolerance = 1e-14;
         scene.shape_tolerance = 1e-13;
         scene.threshold = 0.3;
         scene.muscle_stiffness = 2e7;
