@@ -23,7 +23,8 @@ double ordered_dot(const double* a, const double* b, std::size_t n) {
 
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
-              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws) {
+              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,
+              bool indefinite) {
     PcgResult result;
     std::fill(x, x + n, 0.0);
     ws.r.assign(b, b + n), ws.z.resize(n), ws.p.resize(n), ws.ap.assign(n, 0.0);
@@ -54,7 +55,7 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
         const double curvature = dot(p, ap);
         if (!(curvature > 0)) {
             result.negative_curvature = true;
-            return result;
+            if (!indefinite || !(curvature < 0)) return result;
         }
         step = rz / curvature;
         const double rr = parallel_sum(threads, size, kGrain, [&](int begin, int end) {

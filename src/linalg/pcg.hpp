@@ -23,9 +23,12 @@ struct PcgResult {
 
 double ordered_dot(const double* a, const double* b, std::size_t n);
 
-// Solves A x = b from x = 0 to |r| <= tolerance |b|. apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r.
+// Solves A x = b from x = 0 to |r| <= tolerance |b|. apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r. Stops at
+// negative curvature, unless `indefinite`: with few negative eigenvalues the iteration as a rule still converges, to a
+// solution that is then no minimum.
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
-              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws);
+              const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,
+              bool indefinite = false);
 
 }  // namespace dqa

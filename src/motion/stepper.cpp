@@ -478,7 +478,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         const PcgResult r = pcg(
             size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear,
             [&](const double* p, double* product) { apply_hessian(p, product); },
-            [&](const double* in, double* product) { precondition(in, product); }, threads_, krylov_);
+            [&](const double* in, double* product) { precondition(in, product); }, threads_, krylov_, true);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;
