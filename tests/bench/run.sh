@@ -27,9 +27,7 @@ export OPENBLAS_NUM_THREADS=1
 tests/setup.sh
 cmake --preset default >/dev/null
 build=build/default
-programs="bench_step bench_rollout"
-[ -e tests/bench/bench_barycenter.c ] && programs="$programs bench_barycenter"
-ls tests/stability/stability_map.* >/dev/null 2>&1 && programs="$programs stability_map"
+programs="bench_step bench_rollout bench_barycenter stability_map"
 # shellcheck disable=SC2086  # the list is meant to be split
 cmake --build --preset default --target $programs
 
@@ -40,7 +38,7 @@ rm -f "$results"/*.csv "$results/machine.txt"
     echo "processor: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
     echo "cores: $(nproc)"
     echo "memory: $(sed -n 's/^MemTotal: *//p' /proc/meminfo)"
-    echo "compiler: $(sed -n 's/^CMAKE_CXX_COMPILER:[^=]*=//p' $build/CMakeCache.txt | xargs -I{} {} --version | head -n 1)"
+    echo "compiler: $("${CXX:-c++}" --version | head -n 1)"
     echo "version: $(git describe --always --dirty 2>/dev/null || echo unknown)"
     echo "command: tests/bench/run.sh $quick"
 } >"$results/machine.txt"
@@ -82,9 +80,9 @@ else
     bench bench_rollout --scenes "$animals" --rates 15,30,60 --threads "$threads" --repeat 1 \
         --csv "$results/rollout_$animals.csv"
 fi
-case $programs in *bench_barycenter*) bench bench_barycenter $quick --csv "$results/barycenter.csv" ;; esac
+bench bench_barycenter $quick --data "$DQA_TEST_DATA" --csv "$results/barycenter.csv"
 cmake --build --preset default --target codesign
 echo "run: bench_schedule.py $quick"
 python3 -B tests/bench/bench_schedule.py $quick --csv "$results/schedule.csv" "$build/examples/codesign"
-case $programs in *stability_map*) bench stability_map $quick --csv "$results/stability_map.csv" ;; esac
+bench stability_map $quick --csv "$results/stability_map.csv"
 python3 -B tests/bench/charts.py --results "$results" --charts "$charts"
