@@ -236,6 +236,7 @@ StepReport Stepper::step(const State& now, const StepInput& input, long step, St
 
 StepReport Stepper::solve(const State& before, const StepInput& input, long step, State& next_state) {
     StepReport report;
+    check_unfolds(before, step);
     begin(before, input);
     design_->preconditioner().turn(before.q.data(), threads_, preconditioner_);
     std::vector<double> x(y_);
@@ -262,6 +263,23 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     next_state.q.swap(x);
     if (scene_.integrator == Integrator::bdf2) next_state.q_before = before.q, next_state.v_before = before.v;
     return report;
+}
+
+// A body that lies in one point: every rotation of its cells is as good as any other, and by symmetry a solver would
+// end on a saddle, where all forces balance and which nothing in a residual tells from an equilibrium.
+void Stepper::check_unfolds(const State& before, long step) const {
+    const std::vector<double>& rest = design_->rest();
+    double extent = 0.0, of_rest = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+        extent = std::max(extent, std::fabs(before.q[i] - before.q[i % 3]));
+        of_rest = std::max(of_rest, std::fabs(rest[i] - rest[i % 3]));
+    }
+    if (extent <= 1e-6 * of_rest)
+        fail(Status::DIVERGED,
+             "step %ld: all nodes lie within %.3g m, expected more than 1e-6 of the body's %.3g m: a body that is one "
+             "point "
+             "cannot tell how to unfold",
+             step, extent, of_rest);
 }
 
 // A force -c v that is kept for a whole step of length h turns a mass m round once h c > m, and feeds the motion that

@@ -102,6 +102,7 @@ private:
     double shifted_direction(double forcing, double shift, StepReport& report);
     void rescue(const State& before, std::vector<double>& x, Evaluation& now, const double* signals, long step,
                 const char* why, StepReport& report);
+    void check_unfolds(const State& before, long step) const;
     void check_explicit_water(const std::vector<double>& x, const Evaluation& now, const StepInput& input,
                               long step) const;
     [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
