@@ -6,19 +6,7 @@
 namespace dqa {
 
 const BodyKernels& body_kernels(InstructionSet set) {
-#if !defined(DQA_ONLY_BASELINE_KERNELS)
-    switch (choose_instruction_set(set)) {
-        case InstructionSet::avx512:
-            return body_kernels_avx512();
-        case InstructionSet::avx2:
-            return body_kernels_avx2();
-        default:
-            break;
-    }
-#else
-    (void)set;
-#endif
-    return body_kernels_baseline();
+    return DQA_CHOOSE_TABLE(set, body_kernels);
 }
 
 void rotation_any(const double f[9], double r[9]) {
