@@ -270,7 +270,7 @@ typedef struct dqa_tape dqa_tape;
 /* A cursor that walks back over a tape, with the cotangents it has gathered. */
 typedef struct dqa_adjoint dqa_adjoint;
 
-#define DQA_METHOD_NEWTON_PCG 0    /* Newton, conjugate gradients preconditioned by the projective-dynamics factor */
+#define DQA_METHOD_NEWTON_PCG 0    /* Newton, conjugate gradients with the scene's DQA_PRECONDITIONER_* */
 #define DQA_METHOD_NEWTON_DIRECT 1 /* Newton with a sparse factorisation of the exact Hessian: the oracle */
 
 #define DQA_METHOD_PROJECTIVE 2    /* L-BFGS on the projective-dynamics factor (Liu et al. 2017), as the paper: no Hessian

@@ -40,6 +40,15 @@ ActiveSet make_active_set(const Box& box, const std::vector<char>& mask) {
                 box.node(ijk[0] + (k >> 2), ijk[1] + (k >> 1 & 1), ijk[2] + (k & 1)))];
         set.cell_nodes.push_back(nodes);
     }
+    set.node_cell_start.assign(set.node_ijk.size() + 1, 0);
+    for (const auto& nodes : set.cell_nodes)
+        for (const int n : nodes) ++set.node_cell_start[static_cast<std::size_t>(n) + 1];
+    for (std::size_t n = 1; n < set.node_cell_start.size(); ++n) set.node_cell_start[n] += set.node_cell_start[n - 1];
+    std::vector<int> fill(set.node_cell_start.begin(), set.node_cell_start.end() - 1);
+    set.node_cells.resize(8 * set.cell_nodes.size());
+    for (std::size_t c = 0; c < set.cell_nodes.size(); ++c)
+        for (const int n : set.cell_nodes[c])
+            set.node_cells[static_cast<std::size_t>(fill[static_cast<std::size_t>(n)]++)] = static_cast<int>(c);
     return set;
 }
 

@@ -18,6 +18,8 @@ struct ActiveSet {
     std::vector<int> node_to_active;             // box node -> active node or -1
     std::vector<std::array<int, 3>> node_ijk;    // grid coordinates of each active node
     std::vector<std::array<int, 8>> cell_nodes;  // active nodes of each cell; corner 4 ix + 2 iy + iz
+    // Cells around each node, ascending: node_cells[node_cell_start[n]] up to node_cell_start[n + 1].
+    std::vector<int> node_cell_start, node_cells;
 
     int n_cells() const { return static_cast<int>(cells.size()); }
     int n_nodes() const { return static_cast<int>(node_ijk.size()); }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Kernels of the packed supernodal triangular solve, one table per instruction set.
-// In single precision they serve as a preconditioner and are bound by the traffic of the factor's entries; double
-// precision is there for comparison.
+// Kernels of the packed supernodal triangular solve, one table per instruction set. In single precision they serve as a
+// preconditioner and are bound by the traffic of the factor's entries; double precision is there for comparison.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +36,8 @@ struct PackedSupernode {
 // written at outside + 4 (row - top) instead of x + 4 row.
 template <class Real>
 struct FactorKernels {
-    // out-of-place of one supernode: `in` [columns][4] are its own entries before the sweep; rows
-    // [begin, end) of B, begin a multiple of lanes: own rows are set, rows below reduced.
+    // Of one supernode, rows [begin, end) of B, begin a multiple of lanes: own rows are set, rows below reduced.
+    // in [columns][4]: its own entries before the sweep.
     void (*forward)(const PackedSupernode& node, const int* rows, const Real* values, const Real* in, int begin,
                     int end, Real* x, Real* outside, int top);
     // in [columns + rows_below][4]: own entries, then minus those of the rows below. Sets own columns [begin, end).

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Source of the triangular solve, included once per instruction set; see kernels.hpp and
-// packed_factor.hpp.
+// Source of the triangular solve, included once per instruction set; see kernels.hpp and packed_factor.hpp.
 #include "linalg/kernels.hpp"
 
 namespace dqa {

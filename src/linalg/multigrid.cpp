@@ -82,13 +82,6 @@ double largest_eigenvalue(const BlockMatrix& m, const std::vector<std::array<dou
     return value;
 }
 
-template <class Real>
-void by_columns(const std::array<double, 9>& block, double scale, Real* out) {
-    for (std::size_t column = 0; column < 3; ++column)
-        for (std::size_t row = 0; row < 3; ++row)
-            out[4 * column + row] = static_cast<Real>(scale * block[3 * row + column]);
-}
-
 }  // namespace
 
 std::array<double, 9> invert_block(const std::array<double, 9>& block) {
@@ -146,36 +139,33 @@ Multigrid<Real>::Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, Inst
         level.start = matrix.start, level.column = matrix.column;
         level.block.resize(12 * matrix.block.size());
         for (std::size_t k = 0; k < matrix.block.size(); ++k)
-            by_columns(matrix.block[k], 1.0, level.block.data() + 12 * k);
+            by_columns(matrix.block[k].data(), 1.0, level.block.data() + 12 * k);
         const auto inverse = diagonal_inverses(matrix);
         const double damping = kDamping / largest_eigenvalue(matrix, inverse);
         level.inverse.resize(12 * inverse.size());
-        for (std::size_t i = 0; i < inverse.size(); ++i) by_columns(inverse[i], damping, level.inverse.data() + 12 * i);
+        for (std::size_t i = 0; i < inverse.size(); ++i)
+            by_columns(inverse[i].data(), damping, level.inverse.data() + 12 * i);
         level.transfer = std::make_unique<GridTransfer>(nodes);
         if (level.transfer->coarse.size() >= nodes.size()) break;  // scattered nodes that no coarser grid gathers
         matrix = galerkin(matrix, *level.transfer);
         nodes = level.transfer->coarse;
         levels_.push_back(std::move(level));
     }
-    SymmetricMatrix lower;
-    lower.n = 3 * matrix.size();
-    lower.start.push_back(0);
+    std::vector<std::vector<std::pair<int, double>>> columns(3 * nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i)
         for (std::size_t a = 0; a < 3; ++a) {
-            // Of a symmetric matrix the rows are the columns.
-            std::vector<std::pair<int, double>> column;
-            const int here = static_cast<int>(3 * i + a);
+            const std::size_t here = 3 * i + a;  // of a symmetric matrix the rows are the columns
             for (int k = matrix.start[i]; k < matrix.start[i + 1]; ++k)
                 for (std::size_t b = 0; b < 3; ++b) {
-                    const int row = 3 * matrix.column[static_cast<std::size_t>(k)] + static_cast<int>(b);
-                    if (row >= here) column.emplace_back(row, matrix.block[static_cast<std::size_t>(k)][3 * a + b]);
+                    const std::size_t row =
+                        3 * static_cast<std::size_t>(matrix.column[static_cast<std::size_t>(k)]) + b;
+                    double value = matrix.block[static_cast<std::size_t>(k)][3 * a + b];
+                    // Never singular to rounding; a coordinate that is constrained everywhere has nothing but this.
+                    if (row == here) value += value > 0 ? 1e-9 * value : 1.0;
+                    if (row >= here) columns[here].emplace_back(static_cast<int>(row), value);
                 }
-            std::sort(column.begin(), column.end());
-            // Never singular to rounding; a coordinate that is constrained everywhere has nothing but this.
-            column.front().second += column.front().second > 0 ? 1e-9 * column.front().second : 1.0;
-            for (const auto& [row, value] : column) lower.row.push_back(row), lower.value.push_back(value);
-            lower.start.push_back(static_cast<int>(lower.row.size()));
         }
+    const SymmetricMatrix lower = matrix_from_columns(columns);
     std::vector<int> order;
     for (const int c : nested_dissection(nodes))
         for (int axis = 0; axis < 3; ++axis) order.push_back(3 * c + axis);

@@ -29,6 +29,15 @@ template <class Real>
 inline const Four<Real>& four(const Real* p) {
     return *reinterpret_cast<const Four<Real>*>(p);
 }
+// A 3 x 3 block, row-major, times `scale` by columns of four.
+template <class Real>
+inline void by_columns(const double* block, double scale, Real* out) {
+    for (std::size_t column = 0; column < 3; ++column) {
+        for (std::size_t row = 0; row < 3; ++row)
+            out[4 * column + row] = static_cast<Real>(scale * block[3 * row + column]);
+        out[4 * column + 3] = 0;
+    }
+}
 // y += M x for a 3 x 3 block stored by columns of four.
 template <class Real>
 inline void add_block(const Real* block, const Real* x, Four<Real>& y) {

@@ -37,7 +37,6 @@ public:
     void solve(const double* in, double* out, Threads threads, Workspace& ws, int width = 3) const;
     int size() const { return n_; }
     long entries() const { return entries_; }
-    std::size_t bytes() const { return single_.size() * sizeof(float) + double_.size() * sizeof(double); }
 
 private:
     struct Subtree {

@@ -21,6 +21,10 @@ double ordered_dot(const double* a, const double* b, std::size_t n) {
     return (s0 + s1) + (s2 + s3);
 }
 
+double ordered_norm(const double* a, std::size_t n) {
+    return std::sqrt(ordered_dot(a, a, n));
+}
+
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
               const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,
@@ -28,7 +32,7 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
     PcgResult result;
     std::fill(x, x + n, 0.0);
     ws.r.assign(b, b + n), ws.z.resize(n), ws.p.resize(n), ws.ap.assign(n, 0.0);
-    const double norm_b = std::sqrt(ordered_dot(b, b, n));
+    const double norm_b = ordered_norm(b, n);
     if (norm_b == 0) {  // not for NaN, which must not pass for a solved system
         result.converged = true;
         return result;

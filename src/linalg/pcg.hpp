@@ -22,6 +22,7 @@ struct PcgResult {
 };
 
 double ordered_dot(const double* a, const double* b, std::size_t n);
+double ordered_norm(const double* a, std::size_t n);
 
 // Solves A x = b from x = 0 to |r| <= tolerance |b|. apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r. Stops at
 // negative curvature, unless `indefinite`: with few negative eigenvalues the iteration as a rule still converges, to a

@@ -28,6 +28,38 @@ EigenSparse to_eigen(const SymmetricMatrix& a) {
 }
 #endif
 
+// b - A x
+std::vector<double> residual_of(const SymmetricMatrix& a, const std::vector<double>& b, const std::vector<double>& x) {
+    std::vector<double> r(b);
+    for (std::size_t j = 0; j < x.size(); ++j)
+        for (int k = a.start[j]; k < a.start[j + 1]; ++k) {
+            const std::size_t i = static_cast<std::size_t>(a.row[static_cast<std::size_t>(k)]);
+            r[i] -= a.value[static_cast<std::size_t>(k)] * x[j];
+            if (i != j) r[j] -= a.value[static_cast<std::size_t>(k)] * x[i];
+        }
+    return r;
+}
+
+// Improves x, a solution of A x = b to rounding, as long as the residual falls; solve(r) replaces r by A^-1 r.
+template <class Solve>
+void refine(const SymmetricMatrix& a, const std::vector<double>& b, std::vector<double>& x, const Solve& solve) {
+    const auto squared = [](const std::vector<double>& r) {
+        double sum = 0.0;
+        for (const double value : r) sum += value * value;
+        return sum;
+    };
+    std::vector<double> r = residual_of(a, b, x);
+    for (int round = 0; round < 3; ++round) {
+        const double before = squared(r);
+        solve(r);
+        std::vector<double> better(x);
+        for (std::size_t i = 0; i < x.size(); ++i) better[i] += r[i];
+        r = residual_of(a, b, better);
+        if (!(squared(r) < before)) return;
+        x.swap(better);
+    }
+}
+
 #if defined(DQA_HAVE_CHOLMOD)
 
 // CHOLMOD's context: silent, and freed with the scope.
@@ -135,16 +167,20 @@ bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x) {
     cholmod_factorize(&a, l, &c);
     const bool good = c.status == CHOLMOD_OK && l->minor >= l->n;
     if (good) {
-        cholmod_dense b{};
-        b.nrow = static_cast<std::size_t>(matrix.n), b.ncol = 1, b.nzmax = b.nrow, b.d = b.nrow;
-        b.x = x.data();
-        b.xtype = CHOLMOD_REAL, b.dtype = CHOLMOD_DOUBLE;
-        cholmod_dense* solution = cholmod_solve(CHOLMOD_A, l, &b, &c);
-        if (solution) {
+        const auto solve = [&](std::vector<double>& field) {
+            cholmod_dense b{};
+            b.nrow = static_cast<std::size_t>(matrix.n), b.ncol = 1, b.nzmax = b.nrow, b.d = b.nrow;
+            b.x = field.data();
+            b.xtype = CHOLMOD_REAL, b.dtype = CHOLMOD_DOUBLE;
+            cholmod_dense* solution = cholmod_solve(CHOLMOD_A, l, &b, &c);
+            if (!solution) return;
             const double* values = static_cast<const double*>(solution->x);
-            std::copy(values, values + matrix.n, x.begin());
+            std::copy(values, values + matrix.n, field.begin());
             cholmod_free_dense(&solution, &c);
-        }
+        };
+        const std::vector<double> right(x);
+        solve(x);
+        refine(matrix, right, x, solve);
     }
     check_memory(c);
     return good;
@@ -195,8 +231,13 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
 bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x) {
     const Eigen::SimplicialLLT<EigenSparse> llt(to_eigen(matrix));
     if (llt.info() != Eigen::Success) return false;
-    Eigen::Map<Eigen::VectorXd> map(x.data(), matrix.n);
-    map = llt.solve(Eigen::VectorXd(map));
+    const auto solve = [&](std::vector<double>& field) {
+        Eigen::Map<Eigen::VectorXd> map(field.data(), matrix.n);
+        map = llt.solve(Eigen::VectorXd(map));
+    };
+    const std::vector<double> right(x);
+    solve(x);
+    refine(matrix, right, x, solve);
     return true;
 }
 
@@ -269,6 +310,18 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
 }
 
 #endif
+
+SymmetricMatrix matrix_from_columns(std::vector<std::vector<std::pair<int, double>>>& columns) {
+    SymmetricMatrix m;
+    m.n = static_cast<int>(columns.size());
+    m.start.push_back(0);
+    for (auto& column : columns) {
+        std::sort(column.begin(), column.end());
+        for (const auto& [row, value] : column) m.row.push_back(row), m.value.push_back(value);
+        m.start.push_back(static_cast<int>(m.row.size()));
+    }
+    return m;
+}
 
 const char* direct_solver_name() {
 #if defined(DQA_HAVE_CHOLMOD) && defined(DQA_HAVE_UMFPACK)

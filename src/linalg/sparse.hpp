@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dqa {
@@ -14,6 +15,9 @@ struct SymmetricMatrix {
     std::vector<int> start, row;
     std::vector<double> value;
 };
+
+// From the entries (row, value) of each column, rows at or below the diagonal, each once, in any order.
+SymmetricMatrix matrix_from_columns(std::vector<std::vector<std::pair<int, double>>>& columns);
 
 // A Cholesky factor as supernodes in elimination order: columns [first, first + columns) and the rows of their common
 // pattern (the own columns first), dense column-major of leading dimension rows.size().
@@ -33,7 +37,8 @@ struct CholeskyFactor {
 // is not positive definite.
 CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& order);
 
-// Solves matrix x = b (one right-hand side, in place). Returns false if not positive definite.
+// Solves matrix x = b (one right-hand side, in place), with iterative refinement: rounding leaves more than that of b
+// in the stiff systems of bodies. Returns false if not positive definite.
 bool solve_positive(const SymmetricMatrix& matrix, std::vector<double>& x);
 // The same by pivoted LU, for indefinite matrices. Returns false if singular.
 bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x);

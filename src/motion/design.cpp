@@ -158,17 +158,8 @@ std::unique_ptr<PackedFactor> Design::make_factor() const {
                     at->second += value;
             }
     }
-    SymmetricMatrix matrix;
-    matrix.n = n;
-    matrix.start.push_back(0);
-    for (int j = 0; j < n; ++j) {
-        matrix.row.push_back(j);
-        matrix.value.push_back(diagonal_[static_cast<std::size_t>(j)]);
-        auto& entries = columns[static_cast<std::size_t>(j)];
-        std::sort(entries.begin(), entries.end());
-        for (const auto& [row, value] : entries) matrix.row.push_back(row), matrix.value.push_back(value);
-        matrix.start.push_back(static_cast<int>(matrix.row.size()));
-    }
+    for (std::size_t j = 0; j < diagonal_.size(); ++j) columns[j].emplace_back(static_cast<int>(j), diagonal_[j]);
+    const SymmetricMatrix matrix = matrix_from_columns(columns);
     return std::make_unique<PackedFactor>(factorise(matrix, nested_dissection(set_.node_ijk)), scene_.precision,
                                           scene_.instructions);
 }

@@ -122,16 +122,9 @@ Preconditioner::Preconditioner(const ActiveSet& set, const std::vector<double>& 
       inv_dx_(1.0 / set.box.dx),
       slab_(set.box.dims == 2 ? 1.0 : 0.0),
       cell_nodes_(set.cell_nodes),
-      node_start_(nodes_.size() + 1, 0),
+      node_start_(set.node_cell_start),
+      node_cells_(set.node_cells),
       cell_weight_(cell_weight) {
-    for (const auto& nodes : cell_nodes_)
-        for (const int n : nodes) ++node_start_[static_cast<std::size_t>(n) + 1];
-    for (std::size_t n = 1; n < node_start_.size(); ++n) node_start_[n] += node_start_[n - 1];
-    node_cells_.resize(static_cast<std::size_t>(node_start_.back()));
-    std::vector<int> fill(node_start_.begin(), node_start_.end() - 1);
-    for (std::size_t c = 0; c < cell_nodes_.size(); ++c)
-        for (const int n : cell_nodes_[c])
-            node_cells_[static_cast<std::size_t>(fill[static_cast<std::size_t>(n)]++)] = static_cast<int>(c);
     if (precision_ == Precision::single_precision)
         build(single_, constrained, apply, instructions);
     else
@@ -150,9 +143,7 @@ void Preconditioner::build(Parts<Real>& parts, const std::vector<int>& constrain
     parts.local.resize(12 * nodes_.size());
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
         const auto inverse = invert_block(blocks[n]);
-        for (std::size_t column = 0; column < 3; ++column)
-            for (std::size_t row = 0; row < 3; ++row)
-                parts.local[12 * n + 4 * column + row] = static_cast<Real>(kLocalShare * inverse[3 * row + column]);
+        by_columns(inverse.data(), kLocalShare, parts.local.data() + 12 * n);
     }
 }
 
@@ -190,11 +181,7 @@ void Preconditioner::turn_with(const double* q, Threads threads, Workspace& ws, 
             }
             for (double& x : f) x /= weight;
             turn_of(f, r);
-            for (std::size_t column = 0; column < 3; ++column) {
-                for (std::size_t row = 0; row < 3; ++row)
-                    scratch.turns[12 * n + 4 * column + row] = static_cast<Real>(r[3 * row + column]);
-                scratch.turns[12 * n + 4 * column + 3] = 0;
-            }
+            by_columns(r, 1.0, scratch.turns.data() + 12 * n);
         }
     });
 }

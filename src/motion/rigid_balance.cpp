@@ -21,12 +21,10 @@ std::vector<int> pieces_of(const ActiveSet& set, const std::vector<double>& occu
     std::vector<int> piece(static_cast<std::size_t>(set.n_nodes()), -1);
     int count = 0;
     // Grows a piece from cell to cell through their nodes, first through the fuller cells alone.
-    std::vector<std::vector<std::size_t>> cells_of(piece.size());
-    for (std::size_t c = 0; c < set.cell_nodes.size(); ++c)
-        for (const int n : set.cell_nodes[c]) cells_of[static_cast<std::size_t>(n)].push_back(c);
     const auto grow = [&](std::vector<std::size_t> front, double least) {
         for (std::size_t at = 0; at < front.size(); ++at)
-            for (const std::size_t c : cells_of[front[at]]) {
+            for (int s = set.node_cell_start[front[at]]; s < set.node_cell_start[front[at] + 1]; ++s) {
+                const std::size_t c = static_cast<std::size_t>(set.node_cells[static_cast<std::size_t>(s)]);
                 if (occupancy[c] < least) continue;
                 for (const int n : set.cell_nodes[c]) {
                     const std::size_t node = static_cast<std::size_t>(n);

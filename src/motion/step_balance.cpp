@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kBalance = 10.0;  // tolerances of the way moved that a step leaves free in rigid motion
 
-double norm(const double* a, std::size_t n) {
-    return std::sqrt(ordered_dot(a, a, n));
-}
-
 }  // namespace
 
 // The forces on the nodes and those on the body as a whole are both in balance. Where only the latter are not, the body
@@ -46,7 +42,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
                                std::numeric_limits<double>::epsilon() * std::sqrt(places2) +
                                b2 * noise_ * std::sqrt(lever2);
         const std::vector<double> sums = whole.sums(gradient_.data());
-        const double free = b2 * norm(sums.data(), sums.size());
+        const double free = b2 * ordered_norm(sums.data(), sums.size());
         if (free <= allowed) return true;
         // Newton's step within the rigid motions.
         const Eigen::Index n = static_cast<Eigen::Index>(whole.size());

@@ -16,10 +16,6 @@ namespace {
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
-double norm(const double* a, std::size_t n) {
-    return std::sqrt(ordered_dot(a, a, n));
-}
-
 RigidBalance::Free free_motions(const Design& design) {
     const SceneSettings& scene = design.scene();
     const bool planar = scene.planar || design.space().box().dims == 2;
@@ -71,7 +67,7 @@ void Stepper::mask(double* field) const {
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
     Evaluation e;
     e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
-    e.scale = norm(elastic_.data(), size_) + norm(muscle_.data(), size_);
+    e.scale = ordered_norm(elastic_.data(), size_) + ordered_norm(muscle_.data(), size_);
     const double inv_h2 = 1.0 / (beta_ * beta_);
     double inertia = 0.0, inertia2 = 0.0;
     for (std::size_t i = 0; i < size_; ++i) {
@@ -84,13 +80,13 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     if (const Water* water = design_->water()) {
         std::fill(trial_.begin(), trial_.end(), 0.0);
         e.energy += water->gradient(water_, q_new, base_.data(), beta_, threads_, trial_.data());
-        e.outer += norm(trial_.data(), size_);
+        e.outer += ordered_norm(trial_.data(), size_);
         for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
     }
     for (std::size_t i = 0; i < size_; ++i) gradient_[i] += elastic_[i] + muscle_[i];
     e.scale += e.outer;
     mask(gradient_.data());
-    e.residual = norm(gradient_.data(), size_);
+    e.residual = ordered_norm(gradient_.data(), size_);
     e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
     return e;
 }
@@ -133,8 +129,6 @@ void Stepper::full_product(const double* p, double* out) {
 SymmetricMatrix Stepper::assemble() {
     const auto& nodes = design_->set().node_ijk;
     const Box& box = design_->space().box();
-    SymmetricMatrix m;
-    m.n = static_cast<int>(size_);
     std::vector<std::vector<std::pair<int, double>>> columns(size_);
     std::vector<double> probe(size_), out(size_);
     for (int colour = 0; colour < 27; ++colour) {
@@ -166,13 +160,7 @@ SymmetricMatrix Stepper::assemble() {
             }
         }
     }
-    m.start.push_back(0);
-    for (auto& c : columns) {
-        std::sort(c.begin(), c.end());
-        for (const auto& [row, value] : c) m.row.push_back(row), m.value.push_back(value);
-        m.start.push_back(static_cast<int>(m.row.size()));
-    }
-    return m;
+    return matrix_from_columns(columns);
 }
 
 // direction_ <- -H^-1 gradient_. Returns false if no descent direction came of it (negative curvature at once).
@@ -209,14 +197,11 @@ int Stepper::worst_cell() const {
     std::size_t worst = 0;
     double largest = -1.0;
     for (std::size_t n = 0; n < size_ / 3; ++n) {
-        const double r = norm(gradient_.data() + 3 * n, 3);
+        const double r = ordered_norm(gradient_.data() + 3 * n, 3);
         if (r > largest) largest = r, worst = n;
     }
     const auto& set = design_->set();
-    for (std::size_t c = 0; c < set.cell_nodes.size(); ++c)
-        for (const int n : set.cell_nodes[c])
-            if (n == static_cast<int>(worst)) return set.cells[c];
-    return -1;
+    return set.cells[static_cast<std::size_t>(set.node_cells[static_cast<std::size_t>(set.node_cell_start[worst])])];
 }
 
 void Stepper::fail_step(Status status, long step, const char* why, double relative) const {
@@ -326,7 +311,7 @@ void Stepper::check_cancelled(long step) const {
 // Changes of the energy below this are rounding: its own, and that of positions, which carry one that the forces turn
 // into energy; close to rest it outweighs the rest.
 double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now) const {
-    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * norm(x.data(), size_);
+    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * ordered_norm(x.data(), size_);
 }
 
 // Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
@@ -461,7 +446,7 @@ AdjointReport Stepper::adjoint(const State& now, const StepInput& input, const S
     // What the new state keeps of the old one.
     for (std::size_t i = 0; i < next_bar.q_before.size(); ++i) out.state.q[i] += next_bar.q_before[i];
     for (std::size_t i = 0; i < next_bar.v_before.size(); ++i) out.state.v[i] += next_bar.v_before[i];
-    if (norm(next_bar.q.data(), size_) == 0.0 && norm(next_bar.v.data(), size_) == 0.0) return report;
+    if (ordered_norm(next_bar.q.data(), size_) == 0.0 && ordered_norm(next_bar.v.data(), size_) == 0.0) return report;
     with_crew(scene_.threads, [&](Threads threads) {
         threads_ = threads;
         report = pull_back(now, input, next, step, next_bar, out, bar);
@@ -488,9 +473,9 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     const auto residual_of = [&](const std::vector<double>& x) {
         apply_hessian(x.data(), trial_.data());
         for (std::size_t i = 0; i < size_; ++i) trial_[i] -= q_new_bar[i];
-        return norm(trial_.data(), size_) / norm(q_new_bar, size_);
+        return ordered_norm(trial_.data(), size_) / ordered_norm(q_new_bar, size_);
     };
-    bool solved = norm(q_new_bar, size_) == 0.0;
+    bool solved = ordered_norm(q_new_bar, size_) == 0.0;
     if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
     if (!solved && scene_.method != Method::newton_direct) {
         const PcgResult r = pcg(
@@ -518,21 +503,6 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         }
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
-        // In a stiff body rounding leaves more than is asked for: iterative refinement.
-        for (int round = 0; round < 3 && good && !(report.residual <= scene_.adjoint_tolerance); ++round) {
-            std::vector<double> correction(size_);
-            for (std::size_t i = 0; i < size_; ++i) correction[i] = -trial_[i];
-            if (!solve_positive(h, correction)) {
-                for (std::size_t i = 0; i < size_; ++i) correction[i] = -trial_[i];
-                if (!solve_indefinite(h, correction)) break;
-            }
-            std::vector<double> refined(lambda_);
-            for (std::size_t i = 0; i < size_; ++i) refined[i] += correction[i];
-            const double residual = residual_of(refined);
-            if (!(residual < report.residual)) break;
-            lambda_.swap(refined);
-            report.residual = residual;
-        }
         if (!(report.residual <= std::max(1e-9, scene_.adjoint_tolerance)))
             fail(Status::NOT_CONVERGED,
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,

@@ -4,11 +4,11 @@
 // Step: q+ minimises  |q+ - y|_M^2 / (2 b^2) + E_body(q+, a) + D_water(q+; lagged state),  y = q~ + b v~,
 // v+ = (q+ - q~) / b. Implicit Euler: q~ = q, v~ = v, b = h, lagged state (q, v). BDF2 (e.g. Hairer & Wanner, sec.
 // V.1): q~ = (4 q - q_before) / 3, v~ alike, b = 2 h / 3, lagged state extrapolated: 2 q - q_before, 2 v - v_before.
-// Newton's method with conjugate gradients preconditioned by the projective-dynamics factor, or with a direct solver;
-// the exact Hessian, filtered only where it shows negative curvature. Or L-BFGS on that factor (`projective`). Stops at
-// |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia|
-// + |f_water|), norms over nodes: independent of the origin and of rigid motion, and where the body as a whole is in
-// balance too (rigid_balance.hpp). Constrained coordinates keep their place and drop out of all of it.
+// Newton's method with conjugate gradients (preconditioner.hpp) or with a direct solver; the exact Hessian, filtered
+// only where it shows negative curvature. Or L-BFGS on the projective-dynamics factor (`projective`). Stops at
+// |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia| + |f_water|), norms over nodes, but not above 1e4 times
+// the share of the last two: independent of the origin and of rigid motion; and where the body as a whole is in balance
+// too (rigid_balance.hpp). Constrained coordinates keep their place and drop out of all of it.
 //
 // Where that fails, another method takes over (rescue.cpp): another way to the same equations, so that the answer and
 // its derivative mean the same; the report and a warning tell of it.

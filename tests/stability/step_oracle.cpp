@@ -115,15 +115,7 @@ dqa::SymmetricMatrix StepProblem::hessian() {
                     }
             }
         }
-    dqa::SymmetricMatrix m;
-    m.n = static_cast<int>(n);
-    m.start.push_back(0);
-    for (auto& column : columns) {
-        std::sort(column.begin(), column.end());
-        for (const auto& [row, value] : column) m.row.push_back(row), m.value.push_back(value);
-        m.start.push_back(static_cast<int>(m.row.size()));
-    }
-    return m;
+    return dqa::matrix_from_columns(columns);
 }
 
 dqa::State StepProblem::state_of(const dqa::State& now, const Vector& q) const {
