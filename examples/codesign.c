@@ -22,6 +22,7 @@
 #include "support/output.h"
 #include "support/picture.h"
 #include "support/progress.h"
+#include "support/report_run.h"
 #include "support/run.h"
 #include "support/say.h"
 #include "support/scene.h"
@@ -36,6 +37,7 @@
 typedef struct job {
     options o;
     char* settings;
+    char* command; /* the line that started it */
     options stage; /* o with the grid and tolerances of the running stage of the schedule; borrows from o */
     scene s;
     run r;
@@ -222,6 +224,7 @@ static int write_results(job* w, int converged) {
     if (outcome == DONE) outcome = vtu_write_motion(&best, w->o.out);
     if (outcome == DONE) outcome = picture_make(&w->r, w->s.space, &first, &best, w->o.out, &w->drawn);
     w->r.seconds += progress_clock() - started;
+    if (outcome == DONE) outcome = report_run(&w->r, &w->o, &w->s, &first, &best, w->command, w->o.out);
     if (outcome == DONE) outcome = summary_write(&w->r, &w->o, &w->s, converged, w->o.out);
     w->frames = best.n_frames;
     motion_free(&first);
@@ -240,7 +243,7 @@ static int list_results(const job* w, int converged) {
         printf("loss %.6g (first %.6g)\n", r->best_loss, r->first_loss);
     for (int64_t i = 0; i < r->n_weights; ++i)
         printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
-    printf("Files:\n");
+    printf("Files:\n  %s/%s  (opens in any browser)\n", out, REPORT_FILE);
     if (w->drawn) printf("  %s/%s  (made by %s and %s/ there)\n", out, PICTURE_FILE, PICTURE_SCRIPT, PICTURE_FOLDER);
     printf("  %s/%s\n  %s/%s\n", out, HISTORY_FILE, out, SUMMARY_FILE);
     printf("  %s/%s  (%lld frames in %s/)\n", out, VTU_INDEX, (long long)w->frames, VTU_FOLDER);
@@ -297,7 +300,8 @@ int main(int argc, char** argv) {
     }
     outcome = options_parse(&w.o, argc, argv, &action);
     if (outcome == DONE && action == OPTIONS_RUN) {
-        outcome = prepare(&w, &created);
+        w.command = options_command(argc, argv);
+        outcome = w.command != NULL ? prepare(&w, &created) : FAILED;
         if (outcome == DONE) {
             progress_begin(&w.p, w.o.iterations, 2);
             outcome = work(&w);
@@ -312,6 +316,7 @@ int main(int argc, char** argv) {
         if (created) (void)rmdir(w.o.out);
     }
     free(w.settings);
+    free(w.command);
     options_free(&w.o);
     return outcome;
 }

@@ -16,6 +16,7 @@ libassimp-dev          # STL, OBJ and PLY meshes
 libcmocka-dev          # test framework
 gcovr                  # line coverage
 gnuplot-nox            # the pictures of codesign
+libjs-three            # draws the swimmers in the reports of the example programs
 ccache                 # makes the second build short
 LIST
 )

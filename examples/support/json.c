@@ -28,7 +28,7 @@ static void quoted(FILE* stream, const char* text) {
         const unsigned char c = (unsigned char)*text;
         if (c == '"' || c == '\\')
             fprintf(stream, "\\%c", c);
-        else if (c < 0x20 || c == 0x7f || c > limit)
+        else if (c < 0x20 || c == '<' || c == 0x7f || c > limit) /* no "</script>" where HTML holds the JSON */
             fprintf(stream, "\\u%04x", (unsigned)c);
         else
             fputc(c, stream);
@@ -98,4 +98,22 @@ void json_string(json* j, const char* key, const char* value) {
         quoted(j->stream, value);
     else
         fputs("null", j->stream);
+}
+
+FILE* json_value(json* j, const char* key) {
+    item(j, key);
+    return j->stream;
+}
+
+void json_numbers(json* j, const char* key, const double* x, int64_t n, int64_t stride) {
+    item(j, key);
+    fputc('[', j->stream);
+    for (int64_t i = 0; i < n; ++i) {
+        if (i > 0) fputc(',', j->stream);
+        if (isfinite(x[i * stride]))
+            fprintf(j->stream, "%.17g", x[i * stride]);
+        else
+            fputs("null", j->stream);
+    }
+    fputc(']', j->stream);
 }

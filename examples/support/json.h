@@ -21,5 +21,9 @@ void json_number(json* j, const char* key, double value);
 void json_integer(json* j, const char* key, int64_t value);
 void json_boolean(json* j, const char* key, int value);
 void json_string(json* j, const char* key, const char* value); /* NULL value: null */
+/* n numbers on one line, `stride` apart in x. */
+void json_numbers(json* j, const char* key, const double* x, int64_t n, int64_t stride);
+/* The stream, for a value of the caller's own making to be written next. */
+FILE* json_value(json* j, const char* key);
 
 #endif

@@ -23,7 +23,8 @@ int motion_record(motion* m, scene* s, const double* x, progress* p) {
     memset(m, 0, sizeof *m);
     m->n_frames = s->steps + 1;
     m->time_step = SCENE_TIME_STEP;
-    outcome = scene_swim(s, x, p);
+    outcome = activity_begin(&m->work, s, p);
+    if (outcome == DONE) outcome = scene_swim_watched(s, x, p, activity_watch, &m->work);
     if (outcome == DONE) outcome = say_status(dqa_objective_term_init(&term, sizeof term), "set up the objective");
     if (outcome == DONE) {
         term.kind = DQA_OBJECTIVE_TRAVEL;
@@ -44,6 +45,7 @@ int motion_record(motion* m, scene* s, const double* x, progress* p) {
     for (int64_t k = 0; k < m->n_frames && outcome == DONE; ++k)
         outcome = say_status(dqa_tape_get_surface(s->tape, k, m->frames + k * m->n_vertices * 3, 3 * m->n_vertices),
                              "read the surface of a step");
+    if (outcome == DONE) outcome = activity_end(&m->work, s, m->frames, m->n_vertices);
     if (outcome != DONE) motion_free(m);
     return outcome;
 }
@@ -51,6 +53,7 @@ int motion_record(motion* m, scene* s, const double* x, progress* p) {
 void motion_free(motion* m) {
     free(m->triangles);
     free(m->frames);
+    activity_free(&m->work);
     memset(m, 0, sizeof *m);
 }
 

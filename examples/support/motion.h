@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * The surface of a swimmer over time. */
+ * The surface of a swimmer over time, and what moves it. */
 #ifndef DQA_EXAMPLES_MOTION_H
 #define DQA_EXAMPLES_MOTION_H
 
 #include <stdint.h>
 
+#include "activity.h"
 #include "progress.h"
 #include "scene.h"
 
@@ -16,6 +17,7 @@ typedef struct motion {
     double objective;   /* what is made smallest */
     int32_t* triangles; /* [n_triangles][3] */
     double* frames;     /* [n_frames][n_vertices][3], m */
+    activity work;      /* its signals, forces and muscles */
 } motion;
 
 /* Lets x swim and keeps its surface at every step. DONE, FAILED (said) or INTERRUPTED. */

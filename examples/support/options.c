@@ -398,12 +398,32 @@ static size_t quote(char* to, const char* word) {
     return (size_t)(to - start);
 }
 
+static size_t quoted_size(int argc, char** argv) {
+    size_t size = 1;
+    for (int i = 0; i < argc; ++i) size += 4 * strlen(argv[i]) + 3;
+    return size;
+}
+
+char* options_command(int argc, char** argv) {
+    char* line = malloc(quoted_size(argc, argv));
+    char* to = line;
+    if (line == NULL) {
+        (void)say_no_memory();
+        return NULL;
+    }
+    for (int i = 0; i < argc; ++i) {
+        const char* slash = i == 0 ? strrchr(argv[i], '/') : NULL;
+        if (i > 0) *to++ = ' ';
+        to += quote(to, slash != NULL ? slash + 1 : argv[i]);
+    }
+    *to = '\0';
+    return line;
+}
+
 void options_say_resume(int argc, char** argv) {
-    size_t size = 32;
     char *line, *to;
     int has_resume = 0;
-    for (int i = 0; i < argc; ++i) size += 4 * strlen(argv[i]) + 3;
-    line = malloc(size);
+    line = malloc(quoted_size(argc, argv) + sizeof " --resume");
     if (line == NULL) return;
     to = line;
     for (int i = 0; i < argc; ++i) {

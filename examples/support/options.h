@@ -44,6 +44,8 @@ typedef struct options {
 /* Reads the command line. Returns DONE, or USAGE or FAILED (said); *action is OPTIONS_*. */
 int options_parse(options* o, int argc, char** argv, int* action);
 void options_free(options* o);
+/* The command line in shell quoting, its program without a folder; owned. NULL (said) when memory ran out. */
+char* options_command(int argc, char** argv);
 /* The command line that continues this run, in shell quoting, on stderr through say(). */
 void options_say_resume(int argc, char** argv);
 

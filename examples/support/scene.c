@@ -157,12 +157,16 @@ int scene_set(scene* s, const double* x, progress* p) {
 }
 
 int scene_swim(scene* s, const double* x, progress* p) {
+    return scene_swim_watched(s, x, p, progress_callback, p);
+}
+
+int scene_swim_watched(scene* s, const double* x, progress* p, dqa_progress watch, void* user_data) {
     int outcome = scene_set(s, x, p);
     if (outcome == DONE) outcome = say_status(dqa_tape_clear(s->tape), "clear the tape");
     if (outcome != DONE) return outcome;
     progress_stage(p, PROGRESS_FORWARD);
     outcome =
-        say_status(dqa_simulator_rollout(s->simulator, s->controller, s->steps, s->tape, progress_callback, p), "swim");
+        say_status(dqa_simulator_rollout(s->simulator, s->controller, s->steps, s->tape, watch, user_data), "swim");
     if (outcome == DONE) progress_stage_done(p);
     return outcome;
 }

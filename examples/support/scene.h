@@ -36,6 +36,8 @@ void scene_free(scene* s);
 int scene_set(scene* s, const double* x, progress* p);
 /* Swims: scene_set, then a recorded rollout. */
 int scene_swim(scene* s, const double* x, progress* p);
+/* The same; `watch` is called with `user_data` after every step and may read the simulator. */
+int scene_swim_watched(scene* s, const double* x, progress* p, dqa_progress watch, void* user_data);
 /* Tells sets of signals apart: two scenes of the same number have the same muscles to drive, in the same order, so that
  * the parameters of a controller mean the same in both. */
 int scene_signals(const scene* s, uint64_t* number);

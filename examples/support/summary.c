@@ -2,7 +2,6 @@
  * summary.json. */
 #include "summary.h"
 
-#include "json.h"
 #include "machine.h"
 #include "output.h"
 #include "say.h"
@@ -24,8 +23,7 @@ static void write_schedule(json* j, const options* o) {
     json_close(j, ']');
 }
 
-static void write_settings(json* j, const options* o, const run* r, const scene* s) {
-    json_open(j, "settings", '{');
+void summary_settings(json* j, const options* o, const run* r, const scene* s) {
     json_open(j, "grid", '[');
     for (int i = 0; i < 3; ++i) json_integer(j, NULL, o->grid[i]);
     json_close(j, ']');
@@ -71,7 +69,6 @@ static void write_settings(json* j, const options* o, const run* r, const scene*
     json_open(j, "initial_weights", '[');
     for (int32_t i = 0; i < o->n_meshes; ++i) json_number(j, NULL, o->weights[i]);
     json_close(j, ']');
-    json_close(j, '}');
 }
 
 static void write_numbers(json* j, const char* key, const double* x, int64_t n) {
@@ -116,14 +113,19 @@ static void write_proof(json* j, const char* key, const gradient_proof* proof) {
     json_close(j, '}');
 }
 
-static void write_machine(json* j, const options* o) {
+void summary_proofs(json* j, const run* r) {
+    json_string(j, "design", r->stage_first > 0 ? "first of the last stage" : "initial");
+    json_integer(j, "n_steps", SCENE_PROOF_STEPS);
+    write_proof(j, "weights", &r->proof_weights);
+    write_proof(j, "control", &r->proof_control);
+}
+
+void summary_machine(json* j, const options* o) {
     char processor[256];
     machine_processor(processor, sizeof processor);
-    json_open(j, "machine", '{');
     json_string(j, "processor", processor);
     json_integer(j, "processors", machine_processors());
     json_integer(j, "threads", o->threads);
-    json_close(j, '}');
 }
 
 static void write_cells(json* j, const options* o, const dqa_simulator_info* info) {
@@ -167,14 +169,15 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     write_design(&j, "best", r, r->best_iteration);
     write_design(&j, "last", r, r->iteration);
     json_open(&j, "gradient_check", '{');
-    json_string(&j, "design", r->stage_first > 0 ? "first of the last stage" : "initial");
-    json_integer(&j, "n_steps", SCENE_PROOF_STEPS);
-    write_proof(&j, "weights", &r->proof_weights);
-    write_proof(&j, "control", &r->proof_control);
+    summary_proofs(&j, r);
     json_close(&j, '}');
     write_cells(&j, o, &info);
-    write_machine(&j, o);
-    write_settings(&j, o, r, s);
+    json_open(&j, "machine", '{');
+    summary_machine(&j, o);
+    json_close(&j, '}');
+    json_open(&j, "settings", '{');
+    summary_settings(&j, o, r, s);
+    json_close(&j, '}');
     json_end(&j);
     return output_commit(&file);
 }

@@ -8,47 +8,22 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base64.h"
 #include "interrupt.h"
 #include "output.h"
 #include "say.h"
 
 #define VTK_TRIANGLE 5
 
-/* Base64 (RFC 4648) of bytes that come in pieces. */
-typedef struct base64 {
-    FILE* stream;
-    unsigned char pending[3];
-    int n_pending;
-} base64;
-
-static void base64_triple(base64* b) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned group = (unsigned)b->pending[0] << 16 | (unsigned)b->pending[1] << 8 | (unsigned)b->pending[2];
-    char text[4];
-    for (int i = 0; i < 4; ++i) text[i] = i <= b->n_pending ? digits[group >> (18 - 6 * i) & 63u] : '=';
-    (void)fwrite(text, 1, 4, b->stream);
-    memset(b->pending, 0, 3);
-    b->n_pending = 0;
-}
-
-static void base64_put(base64* b, const void* data, size_t size) {
-    const unsigned char* bytes = data;
-    for (size_t i = 0; i < size; ++i) {
-        b->pending[b->n_pending++] = bytes[i];
-        if (b->n_pending == 3) base64_triple(b);
-    }
-}
-
 static void array(FILE* stream, const char* type, const char* name, int components, const void* data, size_t size) {
     const uint64_t bytes = size;
     base64 b;
-    memset(&b, 0, sizeof b);
-    b.stream = stream;
     fprintf(stream, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"binary\">", type, name,
             components);
+    base64_begin(&b, stream);
     base64_put(&b, &bytes, sizeof bytes);
     base64_put(&b, data, size);
-    if (b.n_pending > 0) base64_triple(&b);
+    base64_end(&b);
     fputs("</DataArray>\n", stream);
 }
 
