@@ -17,6 +17,8 @@ libcmocka-dev          # test framework
 gcovr                  # line coverage
 gnuplot-nox            # the pictures of codesign
 libjs-three            # draws the swimmers in the reports of the example programs
+chromium               # opens the reports of the example programs
+python3-vtk9           # reads their frames
 ccache                 # makes the second build short
 LIST
 )

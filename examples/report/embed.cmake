@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 # Puts the page of the reports together and turns it into a C source, so that programs need no file beside them:
 #   cmake -DPAGE=report.html -DOUTPUT=page.c [-DTHREE=folder] -P embed.cmake
-# In the page, a line <!--@ name --> stands for that file of the page's folder and <!--@ three/name --> for one of the
-# folder of three.js; without such a folder those lines are left out. The line <!--@ data --> is where programs write.
+# In the page, <!--@ name --> stands for that file of the page's folder and <!--@ three/name --> for one of the folder of
+# three.js or, before those, of the page's own folder three/; without three.js these are left out. The line <!--@ data --> is where programs write.
 cmake_minimum_required(VERSION 3.25)
 cmake_path(GET PAGE PARENT_PATH folder)
 file(READ ${PAGE} rest)
@@ -37,7 +37,9 @@ while(TRUE)
     set(head "${hex}")
     set(hex "")
   elseif(name MATCHES "^three/(.*)$")
-    if(THREE)
+    if(THREE AND EXISTS ${folder}/${name})
+      append_file(${folder}/${name})
+    elseif(THREE)
       append_file(${THREE}/${CMAKE_MATCH_1})
     endif()
   else()

@@ -30,6 +30,13 @@ function layOut(swimmers) {
   return {...box, spacing, length};
 }
 
+// The part of the box that holds the swimmers shown.
+function shownBox(swimmers, box) {
+  const at = swimmers.filter((s) => !s.hidden).map((s) => s.lateral);
+  const edge = box.high[1] - Math.max(...swimmers.map((s) => s.lateral));
+  return {...box, low: [box.low[0], Math.min(...at) - edge, box.low[2]], high: [box.high[0], Math.max(...at) + edge, box.high[2]]};
+}
+
 function floorLines(box) {
   const out = [], z = box.floor, [x0, y0] = box.low, [x1, y1] = box.high;
   for (let k = 0; x0 + k * SQUARE < x1 + 1e-9; ++k) out.push(x0 + k * SQUARE, y0, z, x0 + k * SQUARE, y1, z);
@@ -37,14 +44,13 @@ function floorLines(box) {
   return new Float32Array(out);
 }
 
-function startLines(swimmers, box) {
-  const out = [];
-  for (const s of swimmers) {
+function startLines(swimmers, box, out) {
+  swimmers.forEach((s, k) => {
+    if (s.hidden) return out.fill(0, 6 * k, 6 * k + 6);
     let nose = -Infinity;
     for (let i = 0; i < 3 * s.n; i += 3) nose = Math.max(nose, s.frames[i]);
-    out.push(nose, s.lateral - 0.42 * box.spacing, box.floor, nose, s.lateral + 0.42 * box.spacing, box.floor);
-  }
-  return new Float32Array(out);
+    out.set([nose, s.lateral - 0.42 * box.spacing, box.floor, nose, s.lateral + 0.42 * box.spacing, box.floor], 6 * k);
+  });
 }
 
 // Flat ribbons along segments on the floor, two triangles each, for drawings whose lines are hairs.
@@ -62,6 +68,7 @@ function ribbons(segments, width, out) {
 
 function noseLines(swimmers, box, out) {
   swimmers.forEach((s, k) => {
+    if (s.hidden) return out.fill(0, 6 * k, 6 * k + 6);
     const nose = s.nose(), half = 0.25 * box.spacing, z = box.floor + 0.003 * box.length; // above the start line
     out.set([nose, s.lateral - half, z, nose, s.lateral + half, z], 6 * k);
   });

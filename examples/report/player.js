@@ -32,9 +32,10 @@ class Player {
     this.fastest = Math.max(...swimmers.map((s) => s.fastest)) || 1;
     this.box = layOut(swimmers);
     const line = (segments, colour, width) => ({segments, colour, width});
+    this.starts = line(new Float32Array(6 * swimmers.length), "--start", 2.5);
     this.noses = line(new Float32Array(6 * swimmers.length), "--after", 3);
     this.streaks = hasCurrent(swimmers[0]) ? line(new Float32Array(6 * STREAKS), "--s6", 1.5) : null;
-    const lines = [line(floorLines(this.box), "--floor", 1), line(startLines(swimmers, this.box), "--start", 2.5), this.noses];
+    const lines = [line(floorLines(this.box), "--floor", 1), this.starts, this.noses];
     if (this.streaks) lines.push(this.streaks);
     find("stage").hidden = false;
     this.host = find("view");
@@ -51,6 +52,9 @@ class Player {
     find("play").addEventListener("click", () => this.playing ? this.pause() : this.play());
     find("rate").addEventListener("change", (event) => (this.rate = Number(event.target.value)));
     find("colour").addEventListener("change", (event) => this.setMode(event.target.value));
+    this.swimmers.forEach((s) => find("show").append(element("option", {value: s.name}, s.name)));
+    find("show-label").hidden = this.swimmers.length < 2;
+    find("show").addEventListener("change", (event) => this.show(event.target.value));
     find("from").addEventListener("change", (event) => this.look(event.target.value));
     find("save").addEventListener("click", () => {
       this.draw();
@@ -100,10 +104,18 @@ class Player {
     this.refresh();
   }
 
+  // Shows one swimmer by its name, or "all".
+  show(name) {
+    for (const s of this.swimmers) s.hidden = name !== "all" && name !== s.name;
+    find("show").value = name;
+    this.look(this.direction);
+  }
+
   resize() {
     const {clientWidth: width, clientHeight: height} = this.host;
-    if (width < 1 || height < 1 || (width === this.width && height === this.height)) return;
-    this.width = width, this.height = height;
+    const size = `${width} ${height} ${devicePixelRatio}`;
+    if (width < 1 || height < 1 || size === this.size) return;
+    this.width = width, this.height = height, this.size = size;
     this.view.resize(width, height);
     this.view.look(this.direction);
     this.draw();
@@ -149,6 +161,7 @@ class Player {
       s.move(Math.min(this.time, s.duration()));
       s.paint(this.mode, rgb(theme(k === 0 && this.swimmers.length > 1 ? "--before" : "--after")), this.fastest);
     });
+    startLines(this.swimmers, this.box, this.starts.segments);
     noseLines(this.swimmers, this.box, this.noses.segments);
     if (this.streaks) streakLines(this.swimmers[0], this.box, this.time, this.streaks.segments);
     this.view.draw();
@@ -163,6 +176,7 @@ class Player {
   label() {
     this.swimmers.forEach((s, k) => {
       const node = this.labels[k], [x, y] = this.view.project([s.tail(), s.lateral, s.top]);
+      node.hidden = s.hidden;
       node.replaceChildren(element("b", {}, s.name), ` ${fixed(1e3 * s.way(), 1)} mm`);
       node.style.transform = `translate(${Math.max(4, Math.min(x, this.width - node.offsetWidth - 4)).toFixed(1)}px, ` +
                              `${Math.max(2, Math.min(y - 20, this.height - 26)).toFixed(1)}px)`;

@@ -67,6 +67,7 @@ class Swimmer {
     this.index = new Uint32Array(bytesOf(data.triangles).buffer);
     this.frames = decodePositions(data);
     this.lateral = 0;
+    this.hidden = false;
     this.positions = new Float32Array(3 * this.n);
     this.normals = new Float32Array(3 * this.n);
     this.colours = new Float32Array(3 * this.n);

@@ -69,20 +69,20 @@ function createCanvasView(host, swimmers, lines, box, changed) {
     kind: "canvas",
     canvas,
     resize(w, h) {
-      const ratio = Math.min(window.devicePixelRatio || 1, 2);
+      const ratio = Math.min(window.devicePixelRatio || 1, 3);
       width = w, height = h;
       canvas.width = Math.round(w * ratio), canvas.height = Math.round(h * ratio);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     },
     look(direction) {
-      ({target: centre, distance, turn, up} = lookAt(box, direction, width / height));
+      ({target: centre, distance, turn, up} = lookAt(shownBox(swimmers, box), direction, width / height));
       aim();
     },
     draw() {
       const all = [], shadows = [];
       pen.fillStyle = theme("--water");
       pen.fillRect(0, 0, width, height);
-      for (const s of swimmers) faces(s, all, shadows);
+      for (const s of swimmers) if (!s.hidden) faces(s, all, shadows);
       pen.fillStyle = theme("--shadow");
       pen.beginPath();
       for (let i = 0; i < shadows.length; i += 6) {

@@ -14,7 +14,7 @@ function createThreeView(host, swimmers, lines, box, changed) {
   controls.enableKeys = false; // the arrow keys step through time
   controls.addEventListener("change", changed);
   scene.add(new THREE.HemisphereLight(0xffffff, 0xb4c4cc, 0.56));
-  const sun = new THREE.DirectionalLight(0xffffff, 0.5);
+  const sun = new THREE.DirectionalLight(0xffffff, 0.55);
   sun.position.set(-0.25, -0.45, 0.857);
   scene.add(sun);
 
@@ -32,7 +32,7 @@ function createThreeView(host, swimmers, lines, box, changed) {
     const dark = new THREE.Mesh(shadow, new THREE.MeshBasicMaterial({side: THREE.DoubleSide}));
     body.frustumCulled = dark.frustumCulled = false;
     scene.add(dark, body);
-    return {s, geometry, shadow, flat, dark};
+    return {s, geometry, shadow, flat, dark, body};
   });
   const wires = lines.map((line) => {
     const geometry = new THREE.BufferGeometry(), wide = line.width > 2;
@@ -49,20 +49,21 @@ function createThreeView(host, swimmers, lines, box, changed) {
     kind: "three",
     canvas,
     resize(width, height) {
-      renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+      renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 3));
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
     },
     look(direction) {
-      const from = lookAt(box, direction, camera.aspect);
+      const from = lookAt(shownBox(swimmers, box), direction, camera.aspect);
       camera.position.set(...from.eye);
       controls.target.set(...from.target);
       controls.update();
     },
     draw() {
       scene.background.set(theme("--water"));
-      for (const {s, geometry, shadow, flat, dark} of bodies) {
+      for (const {s, geometry, shadow, flat, dark, body} of bodies) {
+        dark.visible = body.visible = !s.hidden;
         for (let i = 0; i < flat.length; i += 3) flat[i] = s.positions[i], flat[i + 1] = s.positions[i + 1], flat[i + 2] = box.floor - 0.002;
         dark.material.color.set(theme("--shadow"));
         shadow.attributes.position.needsUpdate = true;
