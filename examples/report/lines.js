@@ -34,7 +34,9 @@ function layOut(swimmers) {
 function shownBox(swimmers, box) {
   const at = swimmers.filter((s) => !s.hidden).map((s) => s.lateral);
   const edge = box.high[1] - Math.max(...swimmers.map((s) => s.lateral));
-  return {...box, low: [box.low[0], Math.min(...at) - edge, box.low[2]], high: [box.high[0], Math.max(...at) + edge, box.high[2]]};
+  const low = Math.floor((Math.min(...at) - edge) / SQUARE + 1e-6) * SQUARE;
+  const high = Math.ceil((Math.max(...at) + edge) / SQUARE - 1e-6) * SQUARE;
+  return {...box, low: [box.low[0], Math.max(low, box.low[1]), box.low[2]], high: [box.high[0], Math.min(high, box.high[1]), box.high[2]]};
 }
 
 function floorLines(box) {

@@ -60,7 +60,7 @@ function showPage() {
     const notes = ["Orange: where the noses start; blue: where they are. The floor is ruled in tenths of a metre."];
     if (player.streaks) notes.push("Streaks drift with the current.");
     if (player.view.kind === "canvas") notes.push("Drawn without WebGL or three.js, so more plainly.");
-    if (swimmers.some((s) => s.times.length > 2 && s.times[1] * (s.times.length - 1) > 1.5 * s.duration())) notes.push("Some frames are left out.");
+    if (swimmers.some((s) => s.times.length < s.data.frames)) notes.push("Some frames are left out.");
     find("stage-note").textContent = notes.join(" ");
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches && !/\bstill\b/.test(location.hash)) player.play();
   }

@@ -35,7 +35,8 @@ class Player {
     this.starts = line(new Float32Array(6 * swimmers.length), "--start", 2.5);
     this.noses = line(new Float32Array(6 * swimmers.length), "--after", 3);
     this.streaks = hasCurrent(swimmers[0]) ? line(new Float32Array(6 * STREAKS), "--s6", 1.5) : null;
-    const lines = [line(floorLines(this.box), "--floor", 1), this.starts, this.noses];
+    this.floor = line(floorLines(this.box), "--floor", 1);
+    const lines = [this.floor, this.starts, this.noses];
     if (this.streaks) lines.push(this.streaks);
     find("stage").hidden = false;
     this.host = find("view");
@@ -108,6 +109,8 @@ class Player {
   show(name) {
     for (const s of this.swimmers) s.hidden = name !== "all" && name !== s.name;
     find("show").value = name;
+    this.floor.segments.fill(0);
+    this.floor.segments.set(floorLines(shownBox(this.swimmers, this.box)));
     this.look(this.direction);
   }
 

@@ -13,8 +13,8 @@ function createThreeView(host, swimmers, lines, box, changed) {
   const controls = new THREE.OrbitControls(camera, canvas);
   controls.enableKeys = false; // the arrow keys step through time
   controls.addEventListener("change", changed);
-  scene.add(new THREE.HemisphereLight(0xffffff, 0xb4c4cc, 0.56));
-  const sun = new THREE.DirectionalLight(0xffffff, 0.55);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xe2eaee, 0.62));
+  const sun = new THREE.DirectionalLight(0xffffff, 0.48);
   sun.position.set(-0.25, -0.45, 0.857);
   scene.add(sun);
 

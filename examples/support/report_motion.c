@@ -124,6 +124,7 @@ void report_motion_write(json* j, const motion* m) {
     while (c.stride < m->n_frames && code(m, &c, NULL) > MOST_BYTES) ++c.stride;
     json_integer(j, "vertices", m->n_vertices);
     json_integer(j, "elements", m->n_triangles);
+    json_integer(j, "frames", m->n_frames);
     json_number(j, "travel", -m->loss);
     f = json_value(j, "times");
     for (int64_t k = 0; k < kept_frames(m, &c); ++k)

@@ -8,7 +8,7 @@
 #include "motion.h"
 
 /* Writes the members of the open object of `j`:
- * vertices, elements  counts
+ * vertices, elements, frames  counts
  * travel      m: the distance travelled, which is minus the loss DQA_OBJECTIVE_TRAVEL
  * times       s, of the frames kept: all, or every second, third, ... and the last where the page would get too large
  * origin, quantum     m: coordinate = origin + quantum * whole number

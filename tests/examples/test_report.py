@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""report.html in headless Chromium, from disk: test_report.py PROGRAM runs codesign and compares
-what the page shows with the other files of the run. Skipped (exit code 77) where Chromium is missing."""
+"""report.html in headless Chromium, from disk: test_report.py CODESIGN LARGE_REPORT runs codesign and
+compares what the page shows with the other files of the run. Skipped (exit code 77) where Chromium is missing."""
 import base64
 import json
+import math
 import os
 import re
 import shutil
@@ -18,7 +19,7 @@ import results
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "report"))
 import browser  # noqa: E402
 
-PROGRAM = ""
+PROGRAM = LARGE_REPORT = ""
 SMALL = ["--grid", "24x10x12", "--steps", "12", "--iterations", "3"]
 
 
@@ -275,6 +276,55 @@ class Report(unittest.TestCase):
         self.assertIn("a<b>'&", self.page.evaluate("document.querySelector('[data-title^=Share]').textContent"))
 
 
+class Corners(unittest.TestCase):
+    """Runs with as little as there can be, and with a network whose signals have no numbers of their own."""
+
+    def test_pages(self):
+        tuna = os.path.join(os.path.dirname(browser.__file__), "..", "shapes", "tuna.stl")
+        with tempfile.TemporaryDirectory(prefix="report-") as root, browser.Browser(800, 900) as page:
+            for k, more in enumerate((("--steps", 1, "--iterations", 1, "--fixed-control", tuna),
+                                      ("--iterations", 2, "--controller", "mlp", "--automatic-fins"))):
+                out = os.path.join(root, str(k))
+                process = results.run(PROGRAM, *SMALL, "--out", out, *more)
+                self.assertEqual(process.returncode, 0, process.stderr)
+                page.media(motion="reduce")
+                page.open(os.path.join(out, "report.html"))
+                page.evaluate("report.player.setTime(report.player.duration); report.player.setMode('actuation');"
+                              "report.player.draw()")
+                self.assertEqual(page.complaints(), [])
+                self.assertNotRegex(page.evaluate("document.body.innerText"), "NaN|undefined|Infinity")
+                self.assertEqual(page.evaluate("document.querySelectorAll('[d*=NaN], [transform*=NaN]').length"), 0)
+
+
+class Large(unittest.TestCase):
+    """Pages stay small: where there is too much, frames are left out, but never the last one."""
+
+    def test_size_and_positions(self):
+        with tempfile.TemporaryDirectory(prefix="report-") as root:
+            for vertices, frames, whole in ((2000, 101, True), (9000, 201, False)):
+                process = results.run(LARGE_REPORT, root, vertices, frames)
+                self.assertEqual(process.returncode, 0, process.stderr)
+                path = os.path.join(root, "report.html")
+                self.assertLess(os.path.getsize(path), 6 << 20)
+                swimmer = read_data(path)["items"][0]
+                kept = [round(30.0 * t) for t in swimmer["times"]]
+                self.assertEqual(kept == list(range(frames)), whole)
+                self.assertEqual((kept[0], kept[-1], kept), (0, frames - 1, sorted(set(kept))))
+                positions = decode_positions(swimmer)
+                for k, here in zip(kept, positions):
+                    for i in range(0, vertices, 97):
+                        s = i / vertices
+                        there = (s + k / 100, 0.1 * s * s * math.sin(0.5 * k - 5.0 * s), 0.05 * math.cos(i))
+                        for a, b in zip(here[3 * i:3 * i + 3], there):
+                            self.assertLess(abs(a - b), 0.51 * swimmer["quantum"])
+            with browser.Browser(800, 900) as page:
+                page.media(motion="reduce")
+                page.open(path)
+                page.evaluate("report.player.setTime(report.player.duration); report.player.draw()")
+                self.assertEqual(page.complaints(), [])
+                self.assertIn("left out", page.evaluate("document.getElementById('stage-note').textContent"))
+
+
 class WithoutThree(unittest.TestCase):
     """The page that a build without three.js makes, put around the same data."""
 
@@ -303,9 +353,9 @@ class WithoutThree(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit("usage: test_report.py PROGRAM [unittest arguments]")
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    if len(sys.argv) < 3:
+        sys.exit("usage: test_report.py CODESIGN LARGE_REPORT [unittest arguments]")
+    PROGRAM, LARGE_REPORT = (os.path.abspath(sys.argv.pop(1)) for _ in range(2))
     if browser.find() is None:
         print("skipped: Chromium is not installed")
         sys.exit(77)
