@@ -224,7 +224,7 @@ static int write_results(job* w, int converged) {
     if (outcome == DONE) outcome = vtu_write_motion(&best, w->o.out);
     if (outcome == DONE) outcome = picture_make(&w->r, w->s.space, &first, &best, w->o.out, &w->drawn);
     w->r.seconds += progress_clock() - started;
-    if (outcome == DONE) outcome = report_run(&w->r, &w->o, &w->s, &first, &best, w->command, w->o.out);
+    if (outcome == DONE) outcome = report_run("codesign", &w->r, &w->o, &w->s, &first, &best, w->command, w->o.out);
     if (outcome == DONE) outcome = summary_write(&w->r, &w->o, &w->s, converged, w->o.out);
     w->frames = best.n_frames;
     motion_free(&first);

@@ -128,13 +128,13 @@ function curve(picture, chart, series, index, x, y, withMarkers) {
 // The values nearest to the pointer, in the legend.
 function probe(picture, chart, x, values, onTime) {
   const line = svg("path", {class: "probe", d: "", visibility: "hidden"}), c = CHART;
-  const first = chart.series[0].x;
+  const places = [...new Set(chart.series.flatMap((s) => s.x))].sort((a, b) => a - b);
   picture.append(line);
   const at = (event) => {
     const box = picture.getBoundingClientRect(), px = (event.clientX - box.left) / box.width * c.width;
     let best = 0;
-    first.forEach((v, i) => Math.abs(x.to(v) - px) < Math.abs(x.to(first[best]) - px) && (best = i));
-    return first[best];
+    places.forEach((v, i) => Math.abs(x.to(v) - px) < Math.abs(x.to(places[best]) - px) && (best = i));
+    return places[best];
   };
   picture.addEventListener("pointermove", (event) => {
     const place = at(event);

@@ -36,7 +36,8 @@ void report_table_end(report* r);
 #define REPORT_LOG "log"       /* the same, y > 0 in powers of ten */
 #define REPORT_POINTS "points" /* points without lines */
 #define REPORT_RADAR "radar"   /* y of each series on the axes that report_axes names */
-/* A chart with its axis titles (units included); `note`, or NULL, is a sentence below it. Its series follow. */
+/* A chart with its axis titles (units included); `note`, or NULL, is a sentence below it. Its series follow. Where
+ * x_title begins with "time", x is the time of the swimmers in s, and the chart shows where their animation stands. */
 void report_chart(report* r, const char* kind, const char* title, const char* x_title, const char* y_title,
                   const char* note);
 void report_axes(report* r, const char* const* names, int64_t n); /* of a radar chart, before its first series */

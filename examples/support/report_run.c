@@ -220,8 +220,8 @@ static void tables(report* to, const run* r, const options* o, const scene* s) {
     report_table_end(to);
 }
 
-int report_run(const run* r, const options* o, const scene* s, const motion* first, const motion* best,
-               const char* command, const char* folder) {
+int report_run(const char* program, const run* r, const options* o, const scene* s, const motion* first,
+               const motion* best, const char* command, const char* folder) {
     report to;
     char subtitle[256];
     int outcome;
@@ -230,7 +230,7 @@ int report_run(const run* r, const options* o, const scene* s, const motion* fir
                    (long long)r->n_weights, r->n_weights == 1 ? "" : "s", (int)o->grid[0], (int)o->grid[1],
                    (int)o->grid[2], (long long)r->iteration, r->iteration == 1 ? "" : "s", (long long)o->steps,
                    (double)o->steps * SCENE_TIME_STEP);
-    outcome = report_open(&to, folder, "codesign", "An optimised swimmer", subtitle, command);
+    outcome = report_open(&to, folder, program, "An optimised swimmer", subtitle, command);
     if (outcome != DONE) return outcome;
     facts(&to, r, first, best);
     report_swimmer(&to, FIRST_NAME, first);

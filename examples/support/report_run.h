@@ -10,8 +10,8 @@
 #include "scene.h"
 
 /* Writes folder/report.html, whole or not at all, for a run of at least one iteration; `first` and `best` are the swims
- * of its first and its best design, `command` is the command line that made it. DONE or FAILED (said). */
-int report_run(const run* r, const options* o, const scene* s, const motion* first, const motion* best,
-               const char* command, const char* folder);
+ * of its first and its best design, `program` and `command` are what made it. DONE or FAILED (said). */
+int report_run(const char* program, const run* r, const options* o, const scene* s, const motion* first,
+               const motion* best, const char* command, const char* folder);
 
 #endif
