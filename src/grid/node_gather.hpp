@@ -17,6 +17,13 @@ public:
     // Entry k: node[k] receives the vector at place[k] of the element array.
     NodeGather(int n_nodes, const std::vector<int>& node, const std::vector<int>& place);
 
+    // f(place) for the node's entries, in the order of the sums.
+    template <class F>
+    void each(int node, F&& f) const {
+        for (int s = start_[static_cast<std::size_t>(node)]; s < start_[static_cast<std::size_t>(node) + 1]; ++s)
+            f(place_[static_cast<std::size_t>(s)]);
+    }
+
     int n_nodes() const { return static_cast<int>(start_.size()) - 1; }
     // out[node][3] += scale * sum of the node's entries, for nodes [begin, end).
     void add(const double* values, double scale, int begin, int end, double* out) const {

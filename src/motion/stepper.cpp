@@ -393,7 +393,11 @@ const char* Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& no
 
 WaterTotals Stepper::totals(const State& next) const {
     const Water* water = design_->water();
-    return water ? water->totals(water_, next.q.data(), base_.data(), beta_) : WaterTotals{};
+    WaterTotals out;
+    if (water)
+        with_crew(scene_.threads,
+                  [&](Threads threads) { out = water->totals(water_, next.q.data(), base_.data(), beta_, threads); });
+    return out;
 }
 
 void Stepper::totals_pullback(const State& now, const StepInput& input, const State& next,
@@ -409,9 +413,9 @@ void Stepper::totals_pullback(const State& now, const StepInput& input, const St
     with_crew(scene_.threads, [&](Threads threads) {
         threads_ = threads;
         begin(now, input);
-        water->totals_pullback(water_, next.q.data(), base_.data(), lag_q_.data(), totals_bar, beta_, next_bar.q.data(),
-                               base_bar.data(), lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.water,
-                               bar.occupancy.data());
+        water->totals_pullback(water_, next.q.data(), base_.data(), lag_q_.data(), totals_bar, beta_, threads_,
+                               next_bar.q.data(), base_bar.data(), lag_q_bar.data(), lag_v_bar.data(), spine_bar,
+                               out.current, bar.water, bar.occupancy.data());
     });
     design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
     begin_pullback(base_bar, std::vector<double>(size_, 0.0), lag_q_bar, lag_v_bar, out.state);
@@ -534,7 +538,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
                           input.signals, bar.muscle_direction);
     if (const Water* water = design_->water()) {
         Vec3 spine_bar{};
-        water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, base_bar.data(),
+        water->pullback(water_, q_new, base_.data(), lag_q_.data(), lambda_.data(), beta_, threads_, base_bar.data(),
                         lag_q_bar.data(), lag_v_bar.data(), spine_bar, out.current, bar.water, bar.occupancy.data());
         design_->sensors().direction_pullback(lag_q_.data(), spine_bar, lag_q_bar.data(), bar.head_x, bar.tail_x);
     }

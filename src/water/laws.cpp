@@ -91,46 +91,43 @@ WaterLaws::WaterLaws(const std::array<double, 4>& drag, const std::array<double,
     thrust_[3] = c[3] / (kPi * kPi * kPi);
 }
 
-LawValue WaterLaws::angle(double x) const {
-    const double y = kappa_ * x;
-    return {scale_ * std::asin(y), scale_ * kappa_ / std::sqrt(1.0 - y * y)};
-}
-
-LawValue WaterLaws::angle_slope(double x) const {
+WaterLaws::Angle WaterLaws::angle(double x) const {
+    Angle at;
     const double y = kappa_ * x, y2 = y * y;
+    at.phi = {scale_ * std::asin(y), scale_ * kappa_ / std::sqrt(1.0 - y2)};
     if (y2 < 1e-4) {  // asin(y)/y = 1 + y^2/6 + 3 y^4/40 + 15 y^6/336 + 105 y^8/3456: below 1e-18 of error
         const double v = 1.0 + y2 * (1.0 / 6 + y2 * (3.0 / 40 + y2 * (15.0 / 336 + y2 * 105.0 / 3456)));
         const double d = y * (2.0 / 6 + y2 * (12.0 / 40 + y2 * (90.0 / 336 + y2 * 840.0 / 3456)));
-        return {scale_ * kappa_ * v, scale_ * kappa_ * kappa_ * d};
+        at.slope = {scale_ * kappa_ * v, scale_ * kappa_ * kappa_ * d};
+    } else {
+        at.slope.value = at.phi.value / x;
+        at.slope.derivative = (at.phi.derivative - at.slope.value) / x;
     }
-    const LawValue phi = angle(x);
-    const double value = phi.value / x;
-    return {value, (phi.derivative - value) / x};
+    at.t = at.phi.value / kHalfPi;
+    at.root = std::sqrt(at.t * at.t + epsilon_ * epsilon_);
+    return at;
 }
 
-LawValue WaterLaws::drag(double x) const {
-    const LawValue phi = angle(x);
-    const double t = phi.value / kHalfPi, dt = phi.derivative / kHalfPi;
-    const double root = std::sqrt(t * t + epsilon_ * epsilon_);  // |t|, rounded
-    const double odd1 = root - epsilon_, odd3 = t * t * root;    // |t| and |t|^3
+LawValue WaterLaws::drag(const Angle& at) const {
+    const double t = at.t, dt = at.phi.derivative / kHalfPi, root = at.root;
+    const double odd1 = root - epsilon_, odd3 = t * t * root;  // |t| and |t|^3
     return {drag_[0] + drag_[1] * odd1 + drag_[2] * t * t + drag_[3] * odd3,
             (drag_[1] * t / root + 2.0 * drag_[2] * t + drag_[3] * (2.0 * t * root + t * t * t / root)) * dt};
 }
 
-LawValue WaterLaws::thrust_slope(double x) const {
-    const LawValue phi = angle(x), g = angle_slope(x);
+LawValue WaterLaws::thrust_slope(const Angle& at) const {
+    const LawValue &phi = at.phi, &g = at.slope;
     const double poly = thrust_[1] + phi.value * (thrust_[2] + phi.value * thrust_[3]);
     const double dpoly = (thrust_[2] + 2.0 * phi.value * thrust_[3]) * phi.derivative;
     return {poly * g.value, dpoly * g.value + poly * g.derivative};
 }
 
-void WaterLaws::pullback(double x, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const {
-    const double phi = angle(x).value, g = angle_slope(x).value, t = phi / kHalfPi;
-    const double root = std::sqrt(t * t + epsilon_ * epsilon_);
+void WaterLaws::pullback(const Angle& at, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const {
+    const double phi = at.phi.value, g = at.slope.value, t = at.t;
     bar.drag[0] += drag_bar;
-    bar.drag[1] += drag_bar * (root - epsilon_);
+    bar.drag[1] += drag_bar * (at.root - epsilon_);
     bar.drag[2] += drag_bar * t * t;
-    bar.drag[3] += drag_bar * t * t * root;
+    bar.drag[3] += drag_bar * t * t * at.root;
     bar.thrust[0] += rest_bar;
     bar.thrust[1] += slope_bar * g;
     bar.thrust[2] += slope_bar * g * phi;

@@ -31,20 +31,28 @@ class WaterLaws {
 public:
     WaterLaws(const std::array<double, 4>& drag, const std::array<double, 4>& thrust, double epsilon);
 
-    LawValue drag(double x) const;                     // Cd(|Phi|)
-    LawValue thrust_slope(double x) const;             // (Ct(Phi) - Ct(0)) / x, >= 0 for a monotone Ct; finite at x = 0
+    // What both laws make of x; the arc sine in it is their price, and they share it.
+    struct Angle {
+        LawValue phi, slope;         // Phi, and Phi / x
+        double t = 0.0, root = 0.0;  // Phi / (pi/2), and |t| rounded
+    };
+    Angle angle(double x) const;
+    LawValue drag(const Angle& at) const;              // Cd(|Phi|)
+    LawValue thrust_slope(const Angle& at) const;      // (Ct(Phi) - Ct(0)) / x, >= 0 for a monotone Ct; finite at x = 0
     double thrust_rest() const { return thrust_[0]; }  // Ct(0)
+    LawValue drag(double x) const { return drag(angle(x)); }
+    LawValue thrust_slope(double x) const { return thrust_slope(angle(x)); }
 
-    // Cotangents of the three at x, to the coefficients of the curves' power series: added to `bar`.
-    void pullback(double x, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const;
+    // Cotangents of the three, to the coefficients of the curves' power series: added to `bar`.
+    void pullback(const Angle& at, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const;
+    void pullback(double x, double drag_bar, double slope_bar, double rest_bar, LawsBar& bar) const {
+        pullback(angle(x), drag_bar, slope_bar, rest_bar, bar);
+    }
     // From there to the ordinates of the Bezier curves: added to drag_bar and thrust_bar.
     static void ordinates_pullback(const LawsBar& bar, std::array<double, 4>& drag_bar,
                                    std::array<double, 4>& thrust_bar);
 
 private:
-    LawValue angle(double x) const;        // Phi
-    LawValue angle_slope(double x) const;  // Phi / x
-
     double drag_[4];    // power series in t = |Phi| / (pi/2)
     double thrust_[4];  // power series in Phi
     double epsilon_, kappa_, scale_;

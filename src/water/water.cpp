@@ -83,10 +83,14 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
             }
         }
     }
-    std::vector<int> node, place;
+    std::vector<int> node, place, corner;
     for (std::size_t f = 0; f < faces_.size(); ++f)
-        for (const int n : faces_[f].nodes) node.push_back(n / 3), place.push_back(4 * static_cast<int>(f));
+        for (const int n : faces_[f].nodes) {
+            node.push_back(n / 3), place.push_back(4 * static_cast<int>(f));
+            corner.push_back(static_cast<int>(corner.size()));
+        }
     gather_ = NodeGather(set.n_nodes(), node, place);
+    corners_ = NodeGather(set.n_nodes(), node, corner);
     const std::size_t blocks = (faces_.size() + 7) / 8;
     nodes_.resize(32 * blocks);
     for (std::size_t f = 0; f < 8 * blocks; ++f)
@@ -115,10 +119,11 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double su = dot(spine, u), lateral2 = dot(u, u) - su * su;
             const double x = dot(a, u) / (area * speed);
             const double w = half_rho * std::fabs(f.weight) * area * counted(x);
+            const WaterLaws::Angle angle = laws_.angle(x);
             ws.area[i] = area;
             for (std::size_t k = 0; k < 3; ++k) ws.n[i / 8 * 24 + 8 * k + i % 8] = a[k] / area, ws.u[3 * i + k] = u[k];
-            ws.cd[i] = w * laws_.drag(x).value * speed;
-            ws.ct[i] = w * laws_.thrust_slope(x).value * lateral2 / speed;
+            ws.cd[i] = w * laws_.drag(angle).value * speed;
+            ws.ct[i] = w * laws_.thrust_slope(angle).value * lateral2 / speed;
             ws.k[i] = w * laws_.thrust_rest() * lateral2;
         }
     });
@@ -185,113 +190,161 @@ void Water::add_product(const WaterWorkspace& ws, int begin, int end, double* ou
     if (!settings_.explicit_forces) gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
 }
 
+void Water::face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, const Vec3& l, const Vec3& m,
+                          double wet_bar, const double* lag_q, SharedBar& shared) const {
+    const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
+    const Face& f = faces_[i];
+    const Vec3 n = ws.normal(i), u = at(ws.u.data(), static_cast<int>(3 * i));
+    const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
+    const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
+    Vec3 n_bar{};
+    for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (m[k] * nun + un[k] * nm) + ws.k[i] * m[k];
+    Vec3 un_bar{};
+    for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nm * n[k];
+    // Lagged coefficients back to u, n, area, weight, spine.
+    const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
+    const double nu = dot(n, u), x = nu / speed;
+    const WaterLaws::Angle angle = laws_.angle(x);
+    const LawValue cd = laws_.drag(angle), ts = laws_.thrust_slope(angle);
+    const double factor = counted(x), rest = laws_.thrust_rest();
+    const double w = half_rho * std::fabs(f.weight) * area * factor;
+    const double w_bar = cd_bar * cd.value * speed + ct_bar * ts.value * lateral2 / speed + k_bar * rest * lateral2;
+    const double x_bar = w * (cd_bar * cd.derivative * speed + ct_bar * ts.derivative * lateral2 / speed);
+    const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
+    const double speed_bar =
+        w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
+    laws_.pullback(angle, w * cd_bar * speed, w * ct_bar * lateral2 / speed, w * k_bar * lateral2,
+                   shared.parameters.laws);
+    shared.parameters.density += w_bar * 0.5 * std::fabs(f.weight) * area * factor;
+    const double area_bar = (w_bar * half_rho * factor + wet_bar) * std::fabs(f.weight);
+    const double weight_bar = (w_bar * half_rho * factor + wet_bar) * area;
+    Vec3 u_bar{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        u_bar[k] = x_bar * n[k] / speed + speed_bar * u[k] / speed + lateral_bar * 2.0 * (u[k] - su * ws.spine[k]);
+        n_bar[k] += x_bar * u[k] / speed;
+        shared.spine[k] -= lateral_bar * 2.0 * su * u[k];
+    }
+    if (settings_.explicit_forces)  // un is u
+        for (std::size_t k = 0; k < 3; ++k) u_bar[k] += un_bar[k], un_bar[k] = 0.0;
+    // n = a / area, area = sqrt(|a|^2 + tiny): a_bar = (n_bar - n (n.n_bar)) / area + area_bar n.
+    const double nn = dot(n, n_bar);
+    Vec3 a_bar{};
+    for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
+    const double sign = f.weight >= 0 ? 0.5 : -0.5;
+    const auto [d1, d2] = diagonals(f, lag_q);
+    const Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
+    double* out = ws.face_bar.data() + 16 * i;
+    for (std::size_t k = 0; k < 3; ++k) {
+        out[k] = un_bar[k], out[4 + k] = u_bar[k], out[8 + k] = sign * d1_bar[k], out[12 + k] = sign * d2_bar[k];
+        shared.current[k] -= un_bar[k] + u_bar[k];
+    }
+    ws.jump_bar[i] = weight_bar * f.weight_derivative;
+}
+
+// In two parallel loops: the cotangents of faces, then their sums on the nodes.
 template <class F>
 void Water::pull_back(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q, F&& vectors,
-                      double wet_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar, double* v_bar,
-                      Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
+                      double wet_bar, double h, Threads threads, double* q_new_bar, double* q_base_bar, double* q_bar,
+                      double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
                       double* occupancy_bar) const {
-    const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-        const Face& f = faces_[i];
-        const Vec3 un = force_velocity(ws, i, q_new, q_base, 1.0 / h);
-        const auto [l, m] = vectors(f);
-        const Vec3 n = ws.normal(i), u = at(ws.u.data(), static_cast<int>(3 * i));
-        const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
-        const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
-        Vec3 n_bar{};
-        for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (m[k] * nun + un[k] * nm) + ws.k[i] * m[k];
-        Vec3 un_bar{};
-        for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nm * n[k];
-        // Lagged coefficients back to u, n, area, weight, spine.
-        const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
-        const double nu = dot(n, u), x = nu / speed;
-        const LawValue cd = laws_.drag(x), ts = laws_.thrust_slope(x);
-        const double factor = counted(x), rest = laws_.thrust_rest();
-        const double w = half_rho * std::fabs(f.weight) * area * factor;
-        const double w_bar = cd_bar * cd.value * speed + ct_bar * ts.value * lateral2 / speed + k_bar * rest * lateral2;
-        const double x_bar = w * (cd_bar * cd.derivative * speed + ct_bar * ts.derivative * lateral2 / speed);
-        const double lateral_bar = w * (ct_bar * ts.value / speed + k_bar * rest);
-        const double speed_bar =
-            w * (cd_bar * cd.value - ct_bar * ts.value * lateral2 / (speed * speed)) - x_bar * x / speed;
-        laws_.pullback(x, w * cd_bar * speed, w * ct_bar * lateral2 / speed, w * k_bar * lateral2, parameter_bar.laws);
-        parameter_bar.density += w_bar * 0.5 * std::fabs(f.weight) * area * factor;
-        const double area_bar = (w_bar * half_rho * factor + wet_bar) * std::fabs(f.weight);
-        const double weight_bar = (w_bar * half_rho * factor + wet_bar) * area;
-        Vec3 u_bar{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            u_bar[k] = x_bar * n[k] / speed + speed_bar * u[k] / speed + lateral_bar * 2.0 * (u[k] - su * ws.spine[k]);
-            n_bar[k] += x_bar * u[k] / speed;
-            spine_bar[k] -= lateral_bar * 2.0 * su * u[k];
+    ws.face_bar.resize(16 * faces_.size()), ws.jump_bar.resize(faces_.size());
+    std::vector<SharedBar> shared(static_cast<std::size_t>((n_faces() + kGrain - 1) / kGrain));
+    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+        SharedBar own;
+        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            const auto [l, m] = vectors(faces_[i]);
+            face_pullback(ws, i, force_velocity(ws, i, q_new, q_base, 1.0 / h), l, m, wet_bar, lag_q, own);
         }
-        if (settings_.explicit_forces)  // un is u
-            for (std::size_t k = 0; k < 3; ++k) u_bar[k] += un_bar[k], un_bar[k] = 0.0;
-        // n = a / area, area = sqrt(|a|^2 + tiny): a_bar = (n_bar - n (n.n_bar)) / area + area_bar n.
-        const double nn = dot(n, n_bar);
-        Vec3 a_bar{};
-        for (std::size_t k = 0; k < 3; ++k) a_bar[k] = (n_bar[k] - n[k] * nn) / area + area_bar * n[k];
-        const double sign = f.weight >= 0 ? 0.5 : -0.5;
-        const auto [d1, d2] = diagonals(f, lag_q);
-        Vec3 d1_bar = cross(d2, a_bar), d2_bar = cross(a_bar, d1);  // a = sign d1 x d2
-        for (std::size_t k = 0; k < 3; ++k) {
-            d1_bar[k] *= sign, d2_bar[k] *= sign;
-            const int kk = static_cast<int>(k);
-            q_bar[f.nodes[2] + kk] += d1_bar[k], q_bar[f.nodes[0] + kk] -= d1_bar[k];
-            q_bar[f.nodes[3] + kk] += d2_bar[k], q_bar[f.nodes[1] + kk] -= d2_bar[k];
-            current_bar[k] -= un_bar[k] + u_bar[k];
-            for (const int node : f.nodes) {
-                q_base_bar[node + kk] -= 0.25 / h * un_bar[k];
-                if (q_new_bar) q_new_bar[node + kk] += 0.25 / h * un_bar[k];
-                v_bar[node + kk] += 0.25 * u_bar[k];
-            }
+        shared[static_cast<std::size_t>(begin / kGrain)] = own;
+    });
+    for (const SharedBar& s : shared) {
+        for (std::size_t k = 0; k < 3; ++k) spine_bar[k] += s.spine[k], current_bar[k] += s.current[k];
+        parameter_bar.density += s.parameters.density;
+        for (std::size_t k = 0; k < 4; ++k) {
+            parameter_bar.laws.drag[k] += s.parameters.laws.drag[k];
+            parameter_bar.laws.thrust[k] += s.parameters.laws.thrust[k];
         }
-        const double jump_bar = weight_bar * f.weight_derivative;
-        if (f.cell_low >= 0) occupancy_bar[f.cell_low] += jump_bar;
-        if (f.cell_high >= 0) occupancy_bar[f.cell_high] -= jump_bar;
     }
+    const auto on_cells = [&] {
+        for (std::size_t i = 0; i < faces_.size(); ++i) {
+            if (faces_[i].cell_low >= 0) occupancy_bar[faces_[i].cell_low] += ws.jump_bar[i];
+            if (faces_[i].cell_high >= 0) occupancy_bar[faces_[i].cell_high] -= ws.jump_bar[i];
+        }
+    };
+    const auto on_node = [&](int n) {
+        double un[3] = {}, u[3] = {}, place[3] = {};
+        corners_.each(n, [&](int at) {
+            const int corner = at % 4;
+            const double* face = ws.face_bar.data() + 16 * static_cast<std::size_t>(at / 4);
+            const double* diagonal = face + (corner % 2 ? 12 : 8);
+            const double sign = corner < 2 ? -1.0 : 1.0;  // diagonals run from 0 to 2 and from 1 to 3
+            for (int k = 0; k < 3; ++k) un[k] += face[k], u[k] += face[4 + k], place[k] += sign * diagonal[k];
+        });
+        for (int k = 0; k < 3; ++k) {
+            q_bar[3 * n + k] += place[k];
+            q_base_bar[3 * n + k] -= 0.25 / h * un[k];
+            if (q_new_bar) q_new_bar[3 * n + k] += 0.25 / h * un[k];
+            v_bar[3 * n + k] += 0.25 * u[k];
+        }
+    };
+    const int chunks = (corners_.n_nodes() + kNodeGrain - 1) / kNodeGrain;
+    parallel_chunks(threads, chunks + 1, 1, [&](int k, int) {
+        if (k == 0) return on_cells();
+        for (int n = (k - 1) * kNodeGrain; n < std::min(k * kNodeGrain, corners_.n_nodes()); ++n) on_node(n);
+    });
 }
 
 void Water::pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
-                     const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
-                     Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const {
+                     const double* lambda, double h, Threads threads, double* q_base_bar, double* q_bar, double* v_bar,
+                     Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
+                     double* occupancy_bar) const {
     const auto vectors = [&](const Face& f) {
         const Vec3 l = mean_of(lambda, f.nodes);
         return std::pair{l, l};
     };
-    pull_back(ws, q_new, q_base, lag_q, vectors, 0.0, h, nullptr, q_base_bar, q_bar, v_bar, spine_bar, current_bar,
-              parameter_bar, occupancy_bar);
+    pull_back(ws, q_new, q_base, lag_q, vectors, 0.0, h, threads, nullptr, q_base_bar, q_bar, v_bar, spine_bar,
+              current_bar, parameter_bar, occupancy_bar);
 }
 
 double Water::dissipation(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
     double power = 0.0;
     for (std::size_t i = 0; i < faces_.size(); ++i) {
-        const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h), n = at(ws.n.data(), static_cast<int>(3 * i));
+        const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h), n = ws.normal(i);
         const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
         power += ws.cd[i] * dot(u, fresh) + ws.ct[i] * dot(n, u) * dot(n, fresh);
     }
     return power;
 }
 
-WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const {
+WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
+                          Threads threads) const {
+    std::vector<WaterTotals> parts(static_cast<std::size_t>((n_faces() + kGrain - 1) / kGrain));
+    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+        WaterTotals own;
+        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
+            const Vec3 n = ws.normal(i);
+            own.drag = axpy(-ws.cd[i], u, own.drag);
+            own.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, own.thrust);
+            own.wet_area += std::fabs(faces_[i].weight) * ws.area[i];
+        }
+        parts[static_cast<std::size_t>(begin / kGrain)] = own;
+    });
     WaterTotals t;
-    double wet = 0.0;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-        const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
-        const Vec3 n = ws.normal(i);
-        t.drag = axpy(-ws.cd[i], u, t.drag);
-        t.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, t.thrust);
-        wet += std::fabs(faces_[i].weight) * ws.area[i];
+    for (const WaterTotals& part : parts) {
+        t.drag = axpy(1.0, part.drag, t.drag), t.thrust = axpy(1.0, part.thrust, t.thrust);
+        t.wet_area += part.wet_area;
     }
-    for (std::size_t k = 0; k < 3 && wet > 0; ++k)
-        t.mean_drag[k] = t.drag[k] / wet, t.mean_thrust[k] = t.thrust[k] / wet;
-    t.wet_area = wet;
+    for (std::size_t k = 0; k < 3 && t.wet_area > 0; ++k)
+        t.mean_drag[k] = t.drag[k] / t.wet_area, t.mean_thrust[k] = t.thrust[k] / t.wet_area;
     return t;
 }
 
 void Water::totals_pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
-                            const WaterTotals& totals_bar, double h, double* q_new_bar, double* q_base_bar,
-                            double* q_bar, double* v_bar, Vec3& spine_bar, Vec3& current_bar,
+                            const WaterTotals& totals_bar, double h, Threads threads, double* q_new_bar,
+                            double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar, Vec3& current_bar,
                             WaterParameterBar& parameter_bar, double* occupancy_bar) const {
-    const WaterTotals t = totals(ws, q_new, q_base, h);
+    const WaterTotals t = totals(ws, q_new, q_base, h, threads);
     if (!(t.wet_area > 0)) return;
     Vec3 drag_bar{}, thrust_bar{};  // of the sums without their sign
     for (std::size_t k = 0; k < 3; ++k) {
@@ -301,7 +354,7 @@ void Water::totals_pullback(WaterWorkspace& ws, const double* q_new, const doubl
     const double wet_bar =
         -(dot(totals_bar.mean_drag, t.mean_drag) + dot(totals_bar.mean_thrust, t.mean_thrust)) / t.wet_area;
     const auto vectors = [&](const Face&) { return std::pair{drag_bar, thrust_bar}; };
-    pull_back(ws, q_new, q_base, lag_q, vectors, wet_bar, h, q_new_bar, q_base_bar, q_bar, v_bar, spine_bar,
+    pull_back(ws, q_new, q_base, lag_q, vectors, wet_bar, h, threads, q_new_bar, q_base_bar, q_bar, v_bar, spine_bar,
               current_bar, parameter_bar, occupancy_bar);
 }
 

@@ -45,6 +45,9 @@ struct WaterWorkspace {
     std::vector<double> cd, ct, k, n;
     std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
     std::vector<double> force;    // [n_faces][4], scratch of gradient and product
+    // Scratch of the pullbacks, by face: cotangents of the new and the lagged velocity and of the two diagonals,
+    // [n_faces][4][4], and of the occupancy jump.
+    std::vector<double> face_bar, jump_bar;
 
     Vec3 normal(std::size_t face) const {
         const double* at = n.data() + face / 8 * 24 + face % 8;
@@ -92,17 +95,18 @@ public:
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
     // positions) q_bar, v_bar and spine_bar, current_bar, parameter_bar, and occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
-                  const double* lambda, double h, double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar,
-                  Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
+                  const double* lambda, double h, Threads threads, double* q_base_bar, double* q_bar, double* v_bar,
+                  Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
     // Power that drag and the part of thrust that resists motion take from the swimmer (W): never negative, except
     // where explicit forces turn a face round within the step.
     double dissipation(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
-    WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h) const;
+    WaterTotals totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
+                       Threads threads = 1) const;
     // Cotangents of the totals, wet_area excepted: added to those of q_new, and to the others as by pullback.
     void totals_pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
-                         const WaterTotals& totals_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar,
-                         double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
-                         double* occupancy_bar) const;
+                         const WaterTotals& totals_bar, double h, Threads threads, double* q_new_bar,
+                         double* q_base_bar, double* q_bar, double* v_bar, Vec3& spine_bar, Vec3& current_bar,
+                         WaterParameterBar& parameter_bar, double* occupancy_bar) const;
 
 private:
     struct Face {
@@ -124,8 +128,16 @@ private:
     // what `vectors` gives for a face; q_new_bar may be null.
     template <class F>
     void pull_back(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q, F&& vectors,
-                   double wet_bar, double h, double* q_new_bar, double* q_base_bar, double* q_bar, double* v_bar,
-                   Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar, double* occupancy_bar) const;
+                   double wet_bar, double h, Threads threads, double* q_new_bar, double* q_base_bar, double* q_bar,
+                   double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
+                   double* occupancy_bar) const;
+    struct SharedBar {
+        Vec3 spine{}, current{};
+        WaterParameterBar parameters;
+    };
+    // Those of one face: into the workspace, and added to `shared`.
+    void face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, const Vec3& l, const Vec3& m, double wet_bar,
+                       const double* lag_q, SharedBar& shared) const;
 
     WaterSettings settings_;
     WaterLaws laws_;
@@ -133,6 +145,7 @@ private:
     const WaterKernels& kernels_;
     std::vector<int> nodes_;  // of the faces, [block][4][8]
     NodeGather gather_;       // of the faces
+    NodeGather corners_;      // of their corners: 4 face + corner
 };
 
 }  // namespace dqa

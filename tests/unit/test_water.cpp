@@ -154,8 +154,8 @@ void check_pullback(const Sample& s, const Vector& v, bool velocity_matters, std
     Vector q_bar(s.q.size(), 0.0), v_bar(q_bar), g_bar(s.occupancy.size(), 0.0);
     Vec3 spine_bar{}, current_bar{};
     WaterParameterBar parameter_bar;
-    w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(), v_bar.data(),
-               spine_bar, current_bar, parameter_bar, g_bar.data());
+    w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, 1, q_bar.data(), q_bar.data(),
+               v_bar.data(), spine_bar, current_bar, parameter_bar, g_bar.data());
     const auto value = [&](const Vector& q_old, const Vector& vel, const Vec3& spine, const Vector& g) {
         return dot_of(lambda, s.gradient(q_new, q_old, vel, spine, g));
     };
@@ -221,6 +221,41 @@ void test_pullback() {
     report_worst("water pullback");
 }
 
+// Totals, and everything that both pullbacks give, in one list: the same bits for any number of threads.
+void test_threads() {
+    const Sample s({11, 9, 8}, 5);
+    const Water w = s.water();
+    CHECK(w.n_faces() > 1500);  // several chunks, and a last one that is not full
+    Random random{17};
+    const Vector q_new = plus(plus(s.q, kStep, s.v), kStep, random_vector(s.q.size(), random, 0.4));
+    const Vector lambda = random_vector(s.q.size(), random);
+    const auto all = [&](int threads) {
+        WaterWorkspace ws;
+        w.lag(ws, s.q.data(), s.v.data(), s.spine, w.settings().current, threads);
+        WaterTotals t = w.totals(ws, q_new.data(), s.q.data(), kStep, threads);
+        Vector out{t.wet_area};
+        for (const Vec3& x : {t.drag, t.thrust, t.mean_drag, t.mean_thrust}) out.insert(out.end(), x.begin(), x.end());
+        Vector fields(4 * s.q.size(), 0.0), g_bar(s.occupancy.size(), 0.0);
+        double *new_bar = fields.data(), *base_bar = new_bar + s.q.size(), *q_bar = base_bar + s.q.size(),
+               *v_bar = q_bar + s.q.size();
+        Vec3 spine_bar{}, current_bar{};
+        WaterParameterBar parameter_bar;
+        w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, threads, base_bar, q_bar, v_bar,
+                   spine_bar, current_bar, parameter_bar, g_bar.data());
+        w.totals_pullback(ws, q_new.data(), s.q.data(), s.q.data(), t, kStep, threads, new_bar, base_bar, q_bar, v_bar,
+                          spine_bar, current_bar, parameter_bar, g_bar.data());
+        for (const Vector* x : {&fields, &g_bar}) out.insert(out.end(), x->begin(), x->end());
+        for (const Vec3& x : {spine_bar, current_bar}) out.insert(out.end(), x.begin(), x.end());
+        for (const auto& x : {parameter_bar.laws.drag, parameter_bar.laws.thrust})
+            out.insert(out.end(), x.begin(), x.end());
+        out.push_back(parameter_bar.density);
+        return out;
+    };
+    const Vector one = all(1);
+    CHECK(norm_of(one) > 0);
+    for (const int threads : {2, 3, 7}) CHECK(all(threads) == one);
+}
+
 }  // namespace
 
 int main() {
@@ -229,6 +264,7 @@ int main() {
         TEST(test_binary_surface_area),
         TEST(test_potential_and_hessian),
         TEST(test_pullback),
+        TEST(test_threads),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -63,7 +63,7 @@ void test_head_on_flow_is_finite() {
         Vec3 spine_bar{}, current_bar{};
         WaterParameterBar parameter_bar;
         CHECK(std::isfinite(w.gradient(ws, q_new.data(), s.q.data(), kStep, 1, out.data())));
-        w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(),
+        w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, 1, q_bar.data(), q_bar.data(),
                    v_bar.data(), spine_bar, current_bar, parameter_bar, g_bar.data());
         CHECK(all_finite(out) && all_finite(q_bar) && all_finite(v_bar) && all_finite(g_bar));
         CHECK(std::isfinite(dot3(spine_bar, {1, 1, 1})));

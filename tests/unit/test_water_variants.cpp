@@ -54,6 +54,22 @@ void test_explicit_is_constant() {
     CHECK(a.drag == b.drag && a.thrust == b.thrust && dot3(a.drag, a.drag) > 0);
 }
 
+// In still water the power that the faces take is that of the potential's Hessian along the way moved.
+void test_dissipation() {
+    Sample s({6, 5, 4}, 9);
+    s.settings.current = {};
+    const Water w = s.water();
+    WaterWorkspace ws;
+    w.lag(ws, s.q.data(), s.v.data(), s.spine, s.settings.current, 1);
+    Random random{41};
+    const Vector p = random_vector(s.q.size(), random, 0.01);
+    Vector product(s.q.size(), 0.0);
+    w.product(ws, p.data(), kStep, 1, product.data());
+    const double expected = dot_of(p, product) / kStep;
+    CHECK(expected > 0);
+    NEAR(w.dissipation(ws, plus(s.q, 1.0, p).data(), s.q.data(), kStep), expected, 1e-12 * expected);
+}
+
 // A full cell in oblique flow: three faces move into the water, three away from it, and without deformation the
 // opposite ones carry the same drag: half of it is left.
 void test_windward_counts_half() {
@@ -94,8 +110,8 @@ void check_variant(bool explicit_forces, bool windward, std::uint64_t seed) {
     Vector q_bar(s.q.size(), 0.0), v_bar(q_bar), g_bar(s.occupancy.size(), 0.0);
     Vec3 spine_bar{}, current_bar{};
     WaterParameterBar parameter_bar;
-    w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, q_bar.data(), q_bar.data(), v_bar.data(),
-               spine_bar, current_bar, parameter_bar, g_bar.data());
+    w.pullback(ws, q_new.data(), s.q.data(), s.q.data(), lambda.data(), kStep, 1, q_bar.data(), q_bar.data(),
+               v_bar.data(), spine_bar, current_bar, parameter_bar, g_bar.data());
     const auto value = [&](const Vector& q_old, const Vector& vel, const Vec3& spine, const Vector& g) {
         return dot_of(lambda, s.gradient(q_new, q_old, vel, spine, g));
     };
@@ -145,6 +161,7 @@ void test_pullbacks() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_explicit_is_constant),
+        TEST(test_dissipation),
         TEST(test_windward_counts_half),
         TEST(test_pullbacks),
     };

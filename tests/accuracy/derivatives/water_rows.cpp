@@ -110,7 +110,7 @@ void rows_of(Table& t, const std::string& name, const fixtures::Sample& s) {
             Evaluated at(s, x);
             Bars b(x);
             at.water.product(at.ws, bar.data(), fixtures::kStep, 1, b.of[q_new].data());
-            at.water.pullback(at.ws, x[q_new].data(), x[q_base].data(), x[lag_q].data(), bar.data(), fixtures::kStep,
+            at.water.pullback(at.ws, x[q_new].data(), x[q_base].data(), x[lag_q].data(), bar.data(), fixtures::kStep, 1,
                               b.of[q_base].data(), b.of[lag_q].data(), b.of[lag_v].data(), b.spine_bar, b.current_bar,
                               b.parameter_bar, b.of[occupancy].data());
             return asked(b.result());
@@ -134,7 +134,7 @@ void rows_of(Table& t, const std::string& name, const fixtures::Sample& s) {
             for (Vec3* v : {&w.drag, &w.thrust, &w.mean_drag, &w.mean_thrust})
                 for (double& c : *v) c = bar[k++];
             Bars b(x);
-            at.water.totals_pullback(at.ws, x[q_new].data(), x[q_base].data(), x[lag_q].data(), w, fixtures::kStep,
+            at.water.totals_pullback(at.ws, x[q_new].data(), x[q_base].data(), x[lag_q].data(), w, fixtures::kStep, 1,
                                      b.of[q_new].data(), b.of[q_base].data(), b.of[lag_q].data(), b.of[lag_v].data(),
                                      b.spine_bar, b.current_bar, b.parameter_bar, b.of[occupancy].data());
             return asked(b.result());
