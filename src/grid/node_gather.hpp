@@ -9,7 +9,7 @@
 
 namespace dqa {
 
-constexpr int kNodeGrain = 512;  // nodes a chunk
+constexpr int kNodeGrain = 128;  // nodes a chunk
 
 class NodeGather {
 public:

@@ -14,6 +14,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace dqa {
@@ -79,16 +80,20 @@ void parallel_chunks(Threads threads, int n, int grain, F&& f) {
     }
 }
 
-// Ordered sum of f(begin, end) over chunks of `grain`: the same bits for any number of threads.
-template <class F>
-double parallel_sum(Threads threads, int n, int grain, F&& f) {
+// Ordered sum by += of what f(begin, end) gives for chunks of `grain`: the same bits for any number of threads.
+template <class T, class F>
+T parallel_total(Threads threads, int n, int grain, F&& f) {
     const int chunks = (n + grain - 1) / grain;
-    std::vector<double> partial(static_cast<std::size_t>(chunks), 0.0);
+    std::vector<T> partial(static_cast<std::size_t>(chunks));
     parallel_chunks(threads, n, grain,
                     [&](int begin, int end) { partial[static_cast<std::size_t>(begin / grain)] = f(begin, end); });
-    double sum = 0.0;
-    for (const double p : partial) sum += p;
+    T sum{};
+    for (const T& p : partial) sum += p;
     return sum;
+}
+template <class F>
+double parallel_sum(Threads threads, int n, int grain, F&& f) {
+    return parallel_total<double>(threads, n, grain, std::forward<F>(f));
 }
 
 }  // namespace dqa

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kCoarsest = 320;  // nodes that a direct solve takes
 constexpr double kDamping = 1.2;        // over the largest eigenvalue of D^-1 H: smooths well, and is below 2
-constexpr int kGrain = 128;             // nodes a chunk
+constexpr int kGrain = 64;              // nodes a chunk
 
 // Q^T M Q for the trilinear Q of a transfer.
 BlockMatrix galerkin(const BlockMatrix& fine, const GridTransfer& q) {
@@ -187,27 +187,44 @@ void Multigrid<Real>::prepare(Workspace& ws) const {
 }
 
 template <class Real>
-void Multigrid<Real>::solve(Threads threads, Workspace& ws) const {
-    cycle(0, threads, ws);
+std::int64_t Multigrid<Real>::bytes() const {
+    std::size_t sum = 2 * static_cast<std::size_t>(coarsest_->entries()) * sizeof(Real);
+    for (const Level& l : levels_)
+        sum += (l.block.size() + l.inverse.size()) * sizeof(Real) + l.column.size() * sizeof(int) +
+               2 * l.transfer->fine_from.size() * (sizeof(int) + sizeof(float));
+    return static_cast<std::int64_t>(sum);
 }
 
 template <class Real>
-void Multigrid<Real>::cycle(std::size_t l, Threads threads, Workspace& ws) const {
-    const Real* right = ws.right[l].data();
-    Real* x = ws.solution[l].data();
+const Real* Multigrid<Real>::solve(const GridTransfer& transfer, const Real* fine, Threads threads,
+                                   Workspace& ws) const {
+    prepare(ws);
+    return cycle(0, transfer, fine, threads, ws);
+}
+
+// Loops are few, as every end of one waits for all threads: what is done node by node joins the loop that has its
+// input.
+template <class Real>
+const Real* Multigrid<Real>::cycle(std::size_t l, const GridTransfer& transfer, const Real* fine, Threads threads,
+                                   Workspace& ws) const {
+    Real *right = ws.right[l].data(), *x = ws.solution[l].data();
+    const int n = static_cast<int>(ws.right[l].size() / 4);
     if (l == levels_.size()) {
-        const std::size_t n = ws.right[l].size() / 4;
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t a = 0; a < 3; ++a) ws.direct[3 * i + a] = static_cast<double>(right[4 * i + a]);
-        coarsest_->solve(ws.direct.data(), ws.direct.data(), threads, ws.factor, 1);
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t a = 0; a < 3; ++a) x[4 * i + a] = static_cast<Real>(ws.direct[3 * i + a]);
+        double* direct = ws.direct.data();
+        parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                const Four<Real> sum = transfer.restricted(i, fine);
+                for (int a = 0; a < 3; ++a) direct[3 * i + a] = static_cast<double>(sum[a]);
+            }
+        });
+        coarsest_->solve(direct, direct, threads, ws.factor, 1);
+        for (int i = 0; i < n; ++i) {
+            for (int a = 0; a < 3; ++a) x[4 * i + a] = static_cast<Real>(direct[3 * i + a]);
             x[4 * i + 3] = 0;
         }
-        return;
+        return x;
     }
     const Level& level = levels_[l];
-    const GridTransfer& transfer = *level.transfer;
     const int *start = level.start.data(), *column = level.column.data();
     const Real *block = level.block.data(), *inverse = level.inverse.data();
     Real* residual = ws.residual[l].data();
@@ -216,37 +233,37 @@ void Multigrid<Real>::cycle(std::size_t l, Threads threads, Workspace& ws) const
         for (int k = start[i]; k < start[i + 1]; ++k) add_block(block + 12 * k, x + 4 * column[k], sum);
         return Four<Real>(four(right + 4 * i) - sum);
     };
-    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             Four<Real> sum = {};
+            four(right + 4 * i) = transfer.restricted(i, fine);
             add_block(inverse + 12 * i, right + 4 * i, sum);
             four(x + 4 * i) = sum;
         }
     });
-    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) four(residual + 4 * i) = residual_at(i);
     });
-    Real* coarse_right = ws.right[l + 1].data();
-    transfer.restrict_to_coarse(residual, coarse_right, threads);
-    cycle(l + 1, threads, ws);
-    const Real* coarse = ws.solution[l + 1].data();
-    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+    const Real* coarse = cycle(l + 1, *level.transfer, residual, threads, ws);
+    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             Four<Real> sum = four(x + 4 * i);
-            transfer.add_from_coarse(i, coarse, sum);
+            level.transfer->add_from_coarse(i, coarse, sum);
             four(x + 4 * i) = sum;
         }
     });
-    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) four(residual + 4 * i) = residual_at(i);
-    });
-    parallel_chunks(threads, level.size(), kGrain, [&](int begin, int end) {
+    // Not in place: the residuals of other nodes still need the old values.
+    Real* smoothed = residual;
+    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             Four<Real> sum = four(x + 4 * i);
-            add_block(inverse + 12 * i, residual + 4 * i, sum);
-            four(x + 4 * i) = sum;
+            const Four<Real> left = residual_at(i);
+            const Real flat[4] = {left[0], left[1], left[2], 0};
+            add_block(inverse + 12 * i, flat, sum);
+            four(smoothed + 4 * i) = sum;
         }
     });
+    return smoothed;
 }
 
 template class Multigrid<float>;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -57,14 +58,17 @@ struct GridTransfer {
     template <class Real>
     void restrict_to_coarse(const Real* in, Real* out, Threads threads) const {
         parallel_chunks(threads, static_cast<int>(coarse.size()), 64, [&](int begin, int end) {
-            for (std::size_t c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-                Four<Real> sum = {};
-                for (int s = coarse_start[c]; s < coarse_start[c + 1]; ++s)
-                    sum += static_cast<Real>(coarse_weight[static_cast<std::size_t>(s)]) *
-                           four(in + 4 * coarse_to[static_cast<std::size_t>(s)]);
-                four(out + 4 * c) = sum;
-            }
+            for (int c = begin; c < end; ++c) four(out + 4 * c) = restricted(c, in);
         });
+    }
+    // Q^T in at coarse node c
+    template <class Real>
+    Four<Real> restricted(int c, const Real* in) const {
+        Four<Real> sum = {};
+        for (int s = coarse_start[static_cast<std::size_t>(c)]; s < coarse_start[static_cast<std::size_t>(c) + 1]; ++s)
+            sum += static_cast<Real>(coarse_weight[static_cast<std::size_t>(s)]) *
+                   four(in + 4 * coarse_to[static_cast<std::size_t>(s)]);
+        return sum;
     }
     // sum += (Q coarse) at fine node n
     template <class Real>
@@ -94,10 +98,11 @@ public:
         std::vector<double> direct;
         PackedFactor::Workspace factor;
     };
-    // right [n][4] -> solution [n][4] in the workspace's first level.
-    void solve(Threads threads, Workspace& ws) const;
-    // Makes room; the caller fills right[0] before solve.
-    void prepare(Workspace& ws) const;
+    // solution [n][4] of the right-hand side Q^T fine, by the transfer from the fine nodes to the first level. Returned
+    // is a part of the workspace.
+    const Real* solve(const GridTransfer& transfer, const Real* fine, Threads threads, Workspace& ws) const;
+    // Bytes of what a cycle reads: blocks and their places, transfers, and the factor both ways.
+    std::int64_t bytes() const;
     long factor_entries() const { return coarsest_->entries(); }
 
 private:
@@ -108,7 +113,9 @@ private:
         std::unique_ptr<GridTransfer> transfer;
         int size() const { return static_cast<int>(start.size()) - 1; }
     };
-    void cycle(std::size_t level, Threads threads, Workspace& ws) const;
+    void prepare(Workspace& ws) const;
+    const Real* cycle(std::size_t level, const GridTransfer& transfer, const Real* fine, Threads threads,
+                      Workspace& ws) const;
 
     std::vector<Level> levels_;
     std::unique_ptr<PackedFactor> coarsest_;

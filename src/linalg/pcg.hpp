@@ -3,6 +3,7 @@
 // preconditioner is in single precision). Dot products are summed in a fixed order, whatever the number of threads.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -23,10 +24,24 @@ struct PcgResult {
 
 double ordered_dot(const double* a, const double* b, std::size_t n);
 double ordered_norm(const double* a, std::size_t n);
+// The same on several threads, in an order of its own that their number does not change.
+double ordered_dot(const double* a, const double* b, std::size_t n, Threads threads);
+double ordered_norm(const double* a, std::size_t n, Threads threads);
 
-// Solves A x = b from x = 0 to |r| <= tolerance |b|. apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r. Stops at
-// negative curvature, unless `indefinite`: with few negative eigenvalues the iteration as a rule still converges, to a
-// solution that is then no minimum.
+// A system by its products, each with the inner products that an iteration takes of it: who passes over the vectors
+// anyway can take them on the way.
+struct PcgSystem {
+    // out = A p; returns p.out.
+    std::function<double(const double* p, double* out)> apply;
+    // z ~ A^-1 r, with |r|; returns r.z and ap.z.
+    std::function<std::array<double, 2>(const double* r, double norm, const double* ap, double* z)> precondition;
+};
+
+// Solves A x = b from x = 0 to |r| <= tolerance |b|. Stops at negative curvature, unless `indefinite`: with few
+// negative eigenvalues the iteration as a rule still converges, to a solution that is then no minimum.
+PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations, const PcgSystem& system,
+              Threads threads, PcgWorkspace& ws, bool indefinite = false);
+// The same by products alone: apply(p, out): out = A p; precondition(r, z): z ~ A^-1 r.
 PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
               const std::function<void(const double*, double*)>& apply,
               const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <map>
 
+#include "linalg/pcg.hpp"
+
 namespace dqa {
 namespace {
 
-constexpr int kGrain = 256;           // nodes or cells a chunk
+constexpr int kGrain = 128;           // nodes or cells a chunk
 constexpr double kLocalShare = 0.8;   // of the diagonal blocks beside the coarse grids
 constexpr double kFactorShare = 0.5;  // of the coarse grids beside the factor, which knows many smooth modes as well
 
@@ -36,6 +38,11 @@ void turn_of(const double* f, double* r) {
     // Not converged: strongly sheared cells. What is left is too far from a rotation to be trusted.
     identity();
 }
+
+struct Products {
+    double with_in = 0.0, with_other = 0.0;
+    void operator+=(const Products& o) { with_in += o.with_in, with_other += o.with_other; }
+};
 
 bool of_colour(const GridNode& node, int period, int colour) {
     return (node[0] % period * period + node[1] % period) * period + node[2] % period == colour;
@@ -152,6 +159,15 @@ long Preconditioner::factor_entries() const {
            (double_.coarse ? double_.coarse->factor_entries() : 0);
 }
 
+std::int64_t Preconditioner::bytes() const {
+    const bool single = precision_ == Precision::single_precision;
+    const std::size_t real = single ? sizeof(float) : sizeof(double), n = nodes_.size();
+    const std::size_t transfer = 2 * transfer_.fine_from.size() * (sizeof(int) + sizeof(float));
+    const std::size_t factor = factor_ ? 2 * static_cast<std::size_t>(factor_->entries()) * real : 12 * n * real;
+    return static_cast<std::int64_t>(2 * 12 * n * real + transfer + factor) +
+           (single ? single_.coarse->bytes() : double_.coarse->bytes());
+}
+
 // Rotation of the mean deformation gradient of the cells around each node.
 template <class Real>
 void Preconditioner::turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const {
@@ -194,36 +210,32 @@ void Preconditioner::turn(const double* q, Threads threads, Workspace& ws) const
 }
 
 template <class Real>
-void Preconditioner::solve_with(const Parts<Real>& parts, const double* in, double* out, Threads threads, Workspace& ws,
-                                Scratch<Real>& scratch) const {
+std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const double* in, double norm,
+                                                 const double* other, double* out, Threads threads, Workspace& ws,
+                                                 Scratch<Real>& scratch) const {
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
-    double largest = 0.0;
-    for (std::size_t i = 0; i < 3 * nodes_.size(); ++i) largest = std::max(largest, std::fabs(in[i]));
-    if (!(largest > 0) || !std::isfinite(largest)) {
+    if (!(norm > 0) || !std::isfinite(norm)) {
         std::fill(out, out + 3 * nodes_.size(), 0.0);
-        return;
+        return {};
     }
-    const Real scale = static_cast<Real>(1.0 / largest);
-    const double inverse_scale = largest;
+    const double scale = 1.0 / norm;
     if (factor_) factor_->solve(in, out, threads, ws.factor);
     scratch.turned.resize(4 * nodes_.size());
-    parts.coarse->prepare(scratch.coarse);
     const Real* turns = scratch.turns.data();
-    Real *turned = scratch.turned.data(), *right = scratch.coarse.right[0].data();
+    Real* turned = scratch.turned.data();
     parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
         for (int n = begin; n < end; ++n) {
-            const Real x = scale * static_cast<Real>(in[3 * n]), y = scale * static_cast<Real>(in[3 * n + 1]),
-                       z = scale * static_cast<Real>(in[3 * n + 2]);
+            const Real x = static_cast<Real>(scale * in[3 * n]), y = static_cast<Real>(scale * in[3 * n + 1]),
+                       z = static_cast<Real>(scale * in[3 * n + 2]);
             const Real* r = turns + 12 * n;
             for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
             turned[4 * n + 3] = 0;
         }
     });
-    transfer_.restrict_to_coarse(turned, right, threads);
-    parts.coarse->solve(threads, scratch.coarse);
-    const Real* coarse = scratch.coarse.solution[0].data();
+    const Real* coarse = parts.coarse->solve(transfer_, turned, threads, scratch.coarse);
     const Real share = factor_ ? static_cast<Real>(kFactorShare) : Real(1);
-    parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
+    const Products sums = parallel_total<Products>(threads, n_nodes(), kGrain, [&](int begin, int end) {
+        Products own;
         for (int n = begin; n < end; ++n) {
             Four<Real> sum = {};
             transfer_.add_from_coarse(n, coarse, sum);
@@ -232,19 +244,29 @@ void Preconditioner::solve_with(const Parts<Real>& parts, const double* in, doub
             Four<Real> back = {};
             const Real flat[3] = {sum[0], sum[1], sum[2]};
             add_block(turns + 12 * n, flat, back);
+            double here[2] = {};
             for (int a = 0; a < 3; ++a) {
-                const double value = inverse_scale * static_cast<double>(back[a]);
-                out[3 * n + a] = factor_ ? out[3 * n + a] + value : value;
+                const int i = 3 * n + a;
+                const double value = norm * static_cast<double>(back[a]);
+                out[i] = factor_ ? out[i] + value : value;
+                here[0] += in[i] * out[i], here[1] += other[i] * out[i];
             }
+            own += Products{here[0], here[1]};
         }
+        return own;
     });
+    return {sums.with_in, sums.with_other};
+}
+
+std::array<double, 2> Preconditioner::solve(const double* in, double norm, const double* other, double* out,
+                                            Threads threads, Workspace& ws) const {
+    return precision_ == Precision::single_precision
+               ? solve_with(single_, in, norm, other, out, threads, ws, ws.single_precision)
+               : solve_with(double_, in, norm, other, out, threads, ws, ws.double_precision);
 }
 
 void Preconditioner::solve(const double* in, double* out, Threads threads, Workspace& ws) const {
-    if (precision_ == Precision::single_precision)
-        solve_with(single_, in, out, threads, ws, ws.single_precision);
-    else
-        solve_with(double_, in, out, threads, ws, ws.double_precision);
+    solve(in, ordered_norm(in, 3 * nodes_.size(), threads), in, out, threads, ws);
 }
 
 }  // namespace dqa

@@ -10,6 +10,7 @@
 // Additive multilevel methods: e.g. Toselli & Widlund 2005, ch. 2. A function of the positions alone.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -47,9 +48,15 @@ public:
     // out [n_nodes][3] ~ H^-1 in, not the same array. A symmetric positive definite operator up to rounding, if
     // constrained coordinates are zero in `in` and ignored in `out`.
     void solve(const double* in, double* out, Threads threads, Workspace& ws) const;
+    // The same where the norm of `in` is known (any number of its size serves), with in.out and other.out: the inner
+    // products of an iteration, taken on the way.
+    std::array<double, 2> solve(const double* in, double norm, const double* other, double* out, Threads threads,
+                                Workspace& ws) const;
 
     // Of the Cholesky factors that it holds.
     long factor_entries() const;
+    // Of what one solve reads: rotations, transfers, local blocks, the coarse grids and the factor.
+    std::int64_t bytes() const;
 
 private:
     template <class Real>
@@ -63,8 +70,8 @@ private:
     template <class Real>
     void turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
     template <class Real>
-    void solve_with(const Parts<Real>& parts, const double* in, double* out, Threads threads, Workspace& ws,
-                    Scratch<Real>& scratch) const;
+    std::array<double, 2> solve_with(const Parts<Real>& parts, const double* in, double norm, const double* other,
+                                     double* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
     int n_nodes() const { return static_cast<int>(nodes_.size()); }
 
     Precision precision_;

@@ -7,9 +7,11 @@
 // leaves |U^T g| b^2 of rigid motion where the mass alone resists, M/b^2 u = -g; drag only makes it smaller.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "grid/active_set.hpp"
+#include "grid/parallel.hpp"
 
 namespace dqa {
 
@@ -24,14 +26,17 @@ public:
 
     // Motions of masses [n_nodes] about positions q [n_nodes][3], six of each piece (or fewer, where it is on a line or
     // a point); piece [n_nodes] tells which one a node belongs to.
-    RigidBalance(Free free, const std::vector<double>& mass, const std::vector<int>& piece, const double* q);
+    RigidBalance(Free free, const std::vector<double>& mass, const std::vector<int>& piece, const double* q,
+                 Threads threads = 1);
 
     std::size_t size() const { return motions_.size(); }
-    const std::vector<double>& field(std::size_t k) const { return motions_[k].field; }  // [n_nodes][3]
+    std::vector<double> field(std::size_t k) const;  // u_k, [n_nodes][3]
     // U^T force.
-    std::vector<double> sums(const double* force) const;
+    std::vector<double> sums(const double* force, Threads threads = 1) const;
     // |U^T force|.
-    double norm_of(const double* force) const;
+    double norm_of(const double* force, Threads threads = 1) const;
+    // Root of the sum over the motions of the square of their largest entry.
+    double lever(Threads threads = 1) const;
     // q moved by sum_k c_k u_k, its turn as a true rotation: no strain comes of it.
     void move(const std::vector<double>& coefficients, double* q) const;
 
@@ -39,12 +44,13 @@ private:
     struct Motion {
         std::size_t piece = 0;
         Vec3 shift{}, turn{};
-        std::vector<double> field;
     };
-    void add_piece(Free free, std::size_t index, const std::vector<double>& mass, const double* q);
+    void add_piece(Free free, std::size_t index, double mass, const std::array<double, 6>& second);
+    Vec3 at(const Motion& m, std::size_t node) const;
 
     std::vector<int> piece_;
-    std::vector<Vec3> centre_;  // of each piece
+    std::vector<double> position_;  // [n_nodes][3]
+    std::vector<Vec3> centre_;      // of each piece
     std::vector<Motion> motions_;
 };
 

@@ -13,6 +13,12 @@ namespace {
 
 constexpr double kBalance = 10.0;  // tolerances of the way moved that a step leaves free in rigid motion
 
+// Sums weighted by mass: of the squared way moved, and of the squared places.
+struct Extent {
+    double way2 = 0.0, places2 = 0.0;
+    void operator+=(const Extent& o) { way2 += o.way2, places2 += o.places2; }
+};
+
 }  // namespace
 
 // The forces on the nodes and those on the body as a whole are both in balance. Where only the latter are not, the body
@@ -26,22 +32,20 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
     const std::vector<double>& mass = design_->mass();
     const double b2 = beta_ * beta_;
     for (int k = 0; k < 4 && converged(now); ++k) {
-        const RigidBalance whole(free_, mass, piece_, x.data());
-        double way2 = 0.0, places2 = 0.0;
-        for (std::size_t i = 0; i < size_; ++i) {
-            way2 += mass[i / 3] * (x[i] - base_[i]) * (x[i] - base_[i]);
-            places2 += mass[i / 3] * x[i] * x[i];
-        }
-        double lever2 = 0.0;  // rounding of forces adds up over it
-        for (std::size_t m = 0; m < whole.size(); ++m) {
-            double longest = 0.0;
-            for (const double u : whole.field(m)) longest = std::max(longest, std::fabs(u));
-            lever2 += longest * longest;
-        }
-        const double allowed = kBalance * scene_.tolerance * std::sqrt(way2) +
-                               std::numeric_limits<double>::epsilon() * std::sqrt(places2) +
-                               b2 * noise_ * std::sqrt(lever2);
-        const std::vector<double> sums = whole.sums(gradient_.data());
+        const RigidBalance whole(free_, mass, piece_, x.data(), threads_);
+        const Extent e = parallel_total<Extent>(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+            Extent own;
+            for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+                own.way2 += mass[i / 3] * (x[i] - base_[i]) * (x[i] - base_[i]);
+                own.places2 += mass[i / 3] * x[i] * x[i];
+            }
+            return own;
+        });
+        // Rounding of forces adds up over the lever.
+        const double allowed = kBalance * scene_.tolerance * std::sqrt(e.way2) +
+                               std::numeric_limits<double>::epsilon() * std::sqrt(e.places2) +
+                               b2 * noise_ * whole.lever(threads_);
+        const std::vector<double> sums = whole.sums(gradient_.data(), threads_);
         const double free = b2 * ordered_norm(sums.data(), sums.size());
         if (free <= allowed) return true;
         // Newton's step within the rigid motions.
@@ -49,7 +53,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
         Eigen::MatrixXd h(n, n);
         for (Eigen::Index m = 0; m < n; ++m) {
             apply_hessian(whole.field(static_cast<std::size_t>(m)).data(), trial_.data());
-            const std::vector<double> column = whole.sums(trial_.data());
+            const std::vector<double> column = whole.sums(trial_.data(), threads_);
             h.col(m) = Eigen::Map<const Eigen::VectorXd>(column.data(), n);
         }
         const Eigen::LLT<Eigen::MatrixXd> factor(0.5 * (h + h.transpose()));
@@ -59,7 +63,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
         candidate_ = x;
         whole.move({c.data(), c.data() + n}, candidate_.data());
         const Evaluation next = evaluate(candidate_.data(), signals);
-        const bool better = next.finite && whole.norm_of(gradient_.data()) * b2 <= 0.5 * free;
+        const bool better = next.finite && whole.norm_of(gradient_.data(), threads_) * b2 <= 0.5 * free;
         if (!better) {
             now = evaluate(x.data(), signals);
             return now.residual <= kNoise * noise_;  // the rounding of the positions

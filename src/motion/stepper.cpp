@@ -16,6 +16,24 @@ namespace {
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
+// Largest distance along an axis from the first node, or one that is larger than `enough`.
+double extent_of(const std::vector<double>& q, double enough) {
+    double extent = 0.0;
+    for (std::size_t i = 0; i < q.size() && !(extent > enough); ++i)
+        extent = std::max(extent, std::fabs(q[i] - q[i % 3]));
+    return extent;
+}
+
+// Sums over the nodes of an evaluation.
+struct ForceSums {
+    double inertia = 0.0;  // energy
+    double inertia2 = 0.0, water2 = 0.0, elastic2 = 0.0, muscle2 = 0.0, total2 = 0.0;
+    void operator+=(const ForceSums& o) {
+        inertia += o.inertia, inertia2 += o.inertia2, water2 += o.water2;
+        elastic2 += o.elastic2, muscle2 += o.muscle2, total2 += o.total2;
+    }
+};
+
 RigidBalance::Free free_motions(const Design& design) {
     const SceneSettings& scene = design.scene();
     const bool planar = scene.planar || design.space().box().dims == 2;
@@ -31,29 +49,44 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       scene_(design_->scene()),
       free_(free_motions(*design_)),
       piece_(pieces_of(design_->set(), design_->occupancy())),
-      size_(3 * static_cast<std::size_t>(design_->n_nodes())) {
-    for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_})
+      size_(3 * static_cast<std::size_t>(design_->n_nodes())),
+      extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())) {
+    for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_, &lag_q_, &lag_v_,
+                    &candidate_, &right_})
         v->assign(size_, 0.0);
+    if (!design_->constrained().empty()) free_coordinate_.assign(size_, 1.0);
+    for (const int i : design_->constrained()) free_coordinate_[static_cast<std::size_t>(i)] = 0.0;
+}
+
+template <class F>
+void Stepper::on_coordinates(F&& f) const {
+    parallel_chunks(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        f(3 * static_cast<std::size_t>(begin), 3 * static_cast<std::size_t>(end));
+    });
 }
 
 void Stepper::begin(const State& now, const StepInput& input) {
     two_step_ = scene_.integrator == Integrator::bdf2 && !now.q_before.empty();
     beta_ = two_step_ ? 2.0 / 3.0 * scene_.time_step : scene_.time_step;
-    lag_q_ = now.q, lag_v_ = now.v, base_ = now.q;
-    double noise2 = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        double velocity = now.v[i];
-        if (two_step_) {
-            base_[i] = (4.0 * now.q[i] - now.q_before[i]) / 3.0;
-            velocity = (4.0 * now.v[i] - now.v_before[i]) / 3.0;
-            lag_q_[i] = 2.0 * now.q[i] - now.q_before[i];
-            lag_v_[i] = 2.0 * now.v[i] - now.v_before[i];
+    const double* diagonal = design_->stiffness_diagonal().data();
+    const double noise2 = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        double sum = 0.0;
+        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+            base_[i] = lag_q_[i] = now.q[i];
+            double velocity = lag_v_[i] = now.v[i];
+            if (two_step_) {
+                base_[i] = (4.0 * now.q[i] - now.q_before[i]) / 3.0;
+                velocity = (4.0 * now.v[i] - now.v_before[i]) / 3.0;
+                lag_q_[i] = 2.0 * now.q[i] - now.q_before[i];
+                lag_v_[i] = 2.0 * now.v[i] - now.v_before[i];
+            }
+            y_[i] = base_[i] + beta_ * velocity;
+            // Positions are known to one rounding; the stiffness turns it into a force that no iteration can remove.
+            const double force = diagonal[i / 3] * now.q[i];
+            sum += force * force;
         }
-        y_[i] = base_[i] + beta_ * velocity;
-        // Positions are known to one rounding; the stiffness turns it into a force that no iteration can remove.
-        const double force = design_->stiffness_diagonal()[i / 3] * now.q[i];
-        noise2 += force * force;
-    }
+        return sum;
+    });
     noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
     if (const Water* water = design_->water())
         water->lag(water_, lag_q_.data(), lag_v_.data(), design_->sensors().direction(lag_q_.data()), input.current,
@@ -67,36 +100,41 @@ void Stepper::mask(double* field) const {
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
     Evaluation e;
     e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
-    e.scale = ordered_norm(elastic_.data(), size_) + ordered_norm(muscle_.data(), size_);
+    const Water* water = design_->water();
+    if (water) e.energy += water->gradient_of_faces(water_, q_new, base_.data(), beta_, threads_);
     const double inv_h2 = 1.0 / (beta_ * beta_);
-    double inertia = 0.0, inertia2 = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        const double d = q_new[i] - y_[i], f = design_->mass()[i / 3] * inv_h2 * d;
-        inertia += 0.5 * f * d, inertia2 += f * f;
-        gradient_[i] = f;
-    }
-    e.energy += inertia;
-    e.outer = std::sqrt(inertia2);
-    if (const Water* water = design_->water()) {
-        std::fill(trial_.begin(), trial_.end(), 0.0);
-        e.energy += water->gradient(water_, q_new, base_.data(), beta_, threads_, trial_.data());
-        e.outer += ordered_norm(trial_.data(), size_);
-        for (std::size_t i = 0; i < size_; ++i) gradient_[i] += trial_[i];
-    }
-    for (std::size_t i = 0; i < size_; ++i) gradient_[i] += elastic_[i] + muscle_[i];
-    e.scale += e.outer;
-    mask(gradient_.data());
-    e.residual = ordered_norm(gradient_.data(), size_);
+    const double* mass = design_->mass().data();
+    const bool all_free = free_coordinate_.empty();
+    const ForceSums sums = parallel_total<ForceSums>(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        ForceSums s;
+        const std::size_t first = 3 * static_cast<std::size_t>(begin), last = 3 * static_cast<std::size_t>(end);
+        std::fill(trial_.begin() + 3 * begin, trial_.begin() + 3 * end, 0.0);
+        if (water) water->add_gradient(water_, begin, end, trial_.data());
+        for (std::size_t i = first; i < last; ++i) {
+            const double d = q_new[i] - y_[i], f = mass[i / 3] * inv_h2 * d;
+            s.inertia += 0.5 * f * d, s.inertia2 += f * f, s.water2 += trial_[i] * trial_[i];
+            s.elastic2 += elastic_[i] * elastic_[i], s.muscle2 += muscle_[i] * muscle_[i];
+            const double sum = f + trial_[i] + elastic_[i] + muscle_[i];
+            gradient_[i] = all_free ? sum : free_coordinate_[i] * sum;
+            s.total2 += gradient_[i] * gradient_[i];
+        }
+        return s;
+    });
+    e.energy += sums.inertia;
+    e.outer = std::sqrt(sums.inertia2) + std::sqrt(sums.water2);
+    e.scale = std::sqrt(sums.elastic2) + std::sqrt(sums.muscle2) + e.outer;
+    e.residual = std::sqrt(sums.total2);
     e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
     return e;
 }
 
-void Stepper::apply_hessian(const double* p, double* out) {
+double Stepper::apply_hessian(const double* p, double* out) {
     if (design_->constrained().empty()) return full_product(p, out);
     masked_.assign(p, p + size_);
     mask(masked_.data());
-    full_product(masked_.data(), out);
-    for (const int i : design_->constrained()) out[i] = p[i];
+    double product = full_product(masked_.data(), out);
+    for (const int i : design_->constrained()) out[i] = p[i], product += p[i] * p[i];
+    return product;
 }
 
 void Stepper::precondition(const double* in, double* out) {
@@ -104,8 +142,18 @@ void Stepper::precondition(const double* in, double* out) {
     mask(out);
 }
 
+PcgSystem Stepper::system() {
+    return {[this](const double* p, double* out) { return apply_hessian(p, out); },
+            [this](const double* r, double norm, const double* ap, double* z) {
+                // r and ap are zero on the constrained coordinates.
+                const auto products = design_->preconditioner().solve(r, norm, ap, z, threads_, preconditioner_);
+                mask(z);
+                return products;
+            }};
+}
+
 // In two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
-void Stepper::full_product(const double* p, double* out) {
+double Stepper::full_product(const double* p, double* out) {
     const double inv_h2 = 1.0 / (beta_ * beta_);
     const Body& body = design_->body();
     const Water* water = design_->water();
@@ -117,10 +165,12 @@ void Stepper::full_product(const double* p, double* out) {
             water->product_chunk(water_, p, beta_, k - of_body);
     });
     const double* mass = design_->mass().data();
-    parallel_chunks(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        for (int i = 3 * begin; i < 3 * end; ++i) out[i] = mass[i / 3] * inv_h2 * p[i];
+    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        for (int n = begin; n < end; ++n)
+            for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = mass[n] * inv_h2 * p[i];
         body.add_product(body_, begin, end, out);
         if (water) water->add_product(water_, begin, end, out);
+        return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
 }
 
@@ -165,8 +215,10 @@ SymmetricMatrix Stepper::assemble() {
 
 // direction_ <- -H^-1 gradient_. Returns false if no descent direction came of it (negative curvature at once).
 bool Stepper::newton_direction(double forcing, StepReport& report) {
-    std::vector<double> b(size_);
-    for (std::size_t i = 0; i < size_; ++i) b[i] = -gradient_[i];
+    std::vector<double>& b = right_;
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) b[i] = -gradient_[i];
+    });
     if (scene_.method == Method::newton_direct) {
         // An indefinite Hessian is shifted, as little as will do: filtering all cells would cost Newton's convergence.
         SymmetricMatrix h = assemble();
@@ -184,10 +236,8 @@ bool Stepper::newton_direction(double forcing, StepReport& report) {
         }
         return false;
     }
-    const PcgResult r = pcg(
-        size_, b.data(), direction_.data(), forcing, scene_.max_linear,
-        [&](const double* p, double* out) { apply_hessian(p, out); },
-        [&](const double* in, double* out) { precondition(in, out); }, threads_, krylov_);
+    const PcgResult r =
+        pcg(size_, b.data(), direction_.data(), forcing, scene_.max_linear, system(), threads_, krylov_);
     report.linear_iterations += r.iterations;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
     return r.iterations > 0 && std::isfinite(r.relative_residual);
@@ -243,7 +293,9 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     report.residual = scale > 0 ? now.residual / scale : 0.0;
     report.inverted = body_.inverted;
     next_state.v.resize(size_);
-    for (std::size_t i = 0; i < size_; ++i) next_state.v[i] = (x[i] - base_[i]) / beta_;
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) next_state.v[i] = (x[i] - base_[i]) / beta_;
+    });
     for (const int i : design_->constrained()) next_state.v[static_cast<std::size_t>(i)] = 0.0;
     next_state.q.swap(x);
     if (scene_.integrator == Integrator::bdf2) next_state.q_before = before.q, next_state.v_before = before.v;
@@ -253,18 +305,12 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
 // A body that lies in one point: every rotation of its cells is as good as any other, and by symmetry a solver would
 // end on a saddle, where all forces balance and which nothing in a residual tells from an equilibrium.
 void Stepper::check_unfolds(const State& before, long step) const {
-    const std::vector<double>& rest = design_->rest();
-    double extent = 0.0, of_rest = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        extent = std::max(extent, std::fabs(before.q[i] - before.q[i % 3]));
-        of_rest = std::max(of_rest, std::fabs(rest[i] - rest[i % 3]));
-    }
-    if (extent <= 1e-6 * of_rest)
+    const double extent = extent_of(before.q, 1e-6 * extent_);
+    if (!(extent > 1e-6 * extent_))
         fail(Status::DIVERGED,
              "step %ld: all nodes lie within %.3g m, expected more than 1e-6 of the body's %.3g m: a body that is one "
-             "point "
-             "cannot tell how to unfold",
-             step, extent, of_rest);
+             "point cannot tell how to unfold",
+             step, extent, extent_);
 }
 
 // A force -c v that is kept for a whole step of length h turns a mass m round once h c > m, and feeds the motion that
@@ -311,19 +357,21 @@ void Stepper::check_cancelled(long step) const {
 // Changes of the energy below this are rounding: its own, and that of positions, which carry one that the forces turn
 // into energy; close to rest it outweighs the rest.
 double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now) const {
-    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * ordered_norm(x.data(), size_);
+    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * ordered_norm(x.data(), size_, threads_);
 }
 
 // Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
 // otherwise they are evaluated anew where they were.
 bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
-    const double slope = ordered_dot(gradient_.data(), direction_.data(), size_);
+    const double slope = dot(gradient_.data(), direction_.data());
     // Near the solution the energy's change drowns in its rounding; there the residual decides.
     const double noise = energy_noise(x, now) + 1e-13 * std::fabs(slope);
     candidate_.resize(size_);
     double t = 1.0;
     for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
-        for (std::size_t i = 0; i < size_; ++i) candidate_[i] = x[i] + t * direction_[i];
+        on_coordinates([&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) candidate_[i] = x[i] + t * direction_[i];
+        });
         const Evaluation next = evaluate(candidate_.data(), signals);
         if (!next.finite) continue;
         if (next.energy <= now.energy + 1e-4 * t * slope ||
@@ -466,14 +514,16 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     design_->preconditioner().turn(q_new, threads_, preconditioner_);
     evaluate(q_new, input.signals);
     // v+ = (q+ - q~) / b except on constrained coordinates, where it is zero.
-    std::vector<double> total(next_bar.v);
-    mask(total.data());
-    std::vector<double> base_bar(size_);
-    for (std::size_t i = 0; i < size_; ++i) base_bar[i] = -total[i] / beta_;
-    for (std::size_t i = 0; i < size_; ++i) total[i] = next_bar.q[i] + total[i] / beta_;
-    std::vector<double> rhs(total);
-    mask(rhs.data());
-    const double* q_new_bar = rhs.data();
+    std::vector<double> base_bar(size_), total(size_);
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const double free = free_coordinate_.empty() ? 1.0 : free_coordinate_[i];
+            base_bar[i] = -free * next_bar.v[i] / beta_;
+            total[i] = next_bar.q[i] - base_bar[i];
+            right_[i] = free * total[i];
+        }
+    });
+    const double* q_new_bar = right_.data();
     const auto residual_of = [&](const std::vector<double>& x) {
         apply_hessian(x.data(), trial_.data());
         for (std::size_t i = 0; i < size_; ++i) trial_[i] -= q_new_bar[i];
@@ -482,10 +532,8 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     bool solved = ordered_norm(q_new_bar, size_) == 0.0;
     if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
     if (!solved && scene_.method != Method::newton_direct) {
-        const PcgResult r = pcg(
-            size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear,
-            [&](const double* p, double* product) { apply_hessian(p, product); },
-            [&](const double* in, double* product) { precondition(in, product); }, threads_, krylov_, true);
+        const PcgResult r = pcg(size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear, system(),
+                                threads_, krylov_, true);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;
@@ -523,13 +571,15 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     // r = M (q+ - q~ - b v~) / b^2 + ...: every cotangent is -(dr/d.)^T lambda.
     const double inv_b2 = 1.0 / (beta_ * beta_);
     std::vector<double> velocity_bar(size_), lag_q_bar(size_, 0.0), lag_v_bar(size_, 0.0);
-    for (std::size_t i = 0; i < size_; ++i) {
-        const double m = design_->mass()[i / 3];
-        base_bar[i] += m * inv_b2 * lambda_[i];
-        velocity_bar[i] = m / beta_ * lambda_[i];
-        bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_b2;
-        lambda_[i] = -lambda_[i];
-    }
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const double m = design_->mass()[i / 3];
+            base_bar[i] += m * inv_b2 * lambda_[i];
+            velocity_bar[i] = m / beta_ * lambda_[i];
+            bar.mass[i / 3] -= lambda_[i] * (q_new[i] - y_[i]) * inv_b2;
+            lambda_[i] = -lambda_[i];
+        }
+    });
     design_->body().parameter_pullback(
         body_, q_new, lambda_.data(), threads_,
         {bar.mu.data(), bar.lambda.data(), bar.muscle_weight.data(), out.signals.data()});

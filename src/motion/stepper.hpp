@@ -78,10 +78,15 @@ private:
     void begin_pullback(const std::vector<double>& base_bar, const std::vector<double>& velocity_bar,
                         const std::vector<double>& lag_q_bar, const std::vector<double>& lag_v_bar, State& bar) const;
     Evaluation evaluate(const double* q_new, const double* signals);
-    void apply_hessian(const double* p, double* out);  // of the free coordinates; the identity on the others
-    void full_product(const double* p, double* out);   // of all coordinates
+    // f(begin, end) on chunks of the nodes' coordinates.
+    template <class F>
+    void on_coordinates(F&& f) const;
+    double apply_hessian(const double* p, double* out);  // of the free coordinates, the identity on the others; p.out
+    double full_product(const double* p, double* out);   // of all coordinates; p.out
     void precondition(const double* in, double* out);
+    PcgSystem system();              // of both
     void mask(double* field) const;  // zero on the constrained coordinates
+    double dot(const double* a, const double* b) const { return ordered_dot(a, b, size_, threads_); }
     SymmetricMatrix assemble();
     bool newton_direction(double forcing, StepReport& report);
     bool converged(const Evaluation& now) const;
@@ -111,16 +116,18 @@ private:
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
     RigidBalance::Free free_;
-    std::vector<int> piece_;  // of each node
-    std::size_t size_;        // 3 n_nodes
-    Threads threads_{1};      // of the call in progress
+    std::vector<int> piece_;               // of each node
+    std::size_t size_;                     // 3 n_nodes
+    double extent_;                        // of the body at rest (m)
+    std::vector<double> free_coordinate_;  // 1, or 0 where constrained; empty if all are free
+    Threads threads_{1};                   // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;
     PcgWorkspace krylov_;
     Preconditioner::Workspace preconditioner_;
     std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
-    std::vector<double> candidate_;
+    std::vector<double> candidate_, right_;
     std::vector<double> masked_;                         // scratch of apply_hessian
     std::array<std::vector<double>, 2> preconditioned_;  // scratch of shifted_direction
     bool two_step_ = false;

@@ -149,7 +149,15 @@ Vec3 Water::force_velocity(const WaterWorkspace& ws, std::size_t i, const double
 
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                        double* out) const {
-    const double energy = parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
+    const double energy = gradient_of_faces(ws, q_new, q_base, h, threads);
+    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
+                    [&](int begin, int end) { add_gradient(ws, begin, end, out); });
+    return energy;
+}
+
+double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
+                                Threads threads) const {
+    return parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
         double e = 0.0;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
@@ -166,8 +174,6 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
         }
         return e;
     });
-    gather_.add(ws.force.data(), 0.25, out, threads);  // a quarter to each corner
-    return energy;
 }
 
 void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
@@ -188,6 +194,16 @@ void Water::product_chunk(WaterWorkspace& ws, const double* p, double h, int k) 
 
 void Water::add_product(const WaterWorkspace& ws, int begin, int end, double* out) const {
     if (!settings_.explicit_forces) gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
+}
+
+void WaterParameterBar::operator+=(const WaterParameterBar& o) {
+    density += o.density;
+    for (std::size_t k = 0; k < 4; ++k) laws.drag[k] += o.laws.drag[k], laws.thrust[k] += o.laws.thrust[k];
+}
+
+void Water::SharedBar::operator+=(const SharedBar& o) {
+    for (std::size_t k = 0; k < 3; ++k) spine[k] += o.spine[k], current[k] += o.current[k];
+    parameters += o.parameters;
 }
 
 void Water::face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, const Vec3& l, const Vec3& m,
@@ -248,23 +264,16 @@ void Water::pull_back(WaterWorkspace& ws, const double* q_new, const double* q_b
                       double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
                       double* occupancy_bar) const {
     ws.face_bar.resize(16 * faces_.size()), ws.jump_bar.resize(faces_.size());
-    std::vector<SharedBar> shared(static_cast<std::size_t>((n_faces() + kGrain - 1) / kGrain));
-    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+    const SharedBar shared = parallel_total<SharedBar>(threads, n_faces(), kGrain, [&](int begin, int end) {
         SharedBar own;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const auto [l, m] = vectors(faces_[i]);
             face_pullback(ws, i, force_velocity(ws, i, q_new, q_base, 1.0 / h), l, m, wet_bar, lag_q, own);
         }
-        shared[static_cast<std::size_t>(begin / kGrain)] = own;
+        return own;
     });
-    for (const SharedBar& s : shared) {
-        for (std::size_t k = 0; k < 3; ++k) spine_bar[k] += s.spine[k], current_bar[k] += s.current[k];
-        parameter_bar.density += s.parameters.density;
-        for (std::size_t k = 0; k < 4; ++k) {
-            parameter_bar.laws.drag[k] += s.parameters.laws.drag[k];
-            parameter_bar.laws.thrust[k] += s.parameters.laws.thrust[k];
-        }
-    }
+    for (std::size_t k = 0; k < 3; ++k) spine_bar[k] += shared.spine[k], current_bar[k] += shared.current[k];
+    parameter_bar += shared.parameters;
     const auto on_cells = [&] {
         for (std::size_t i = 0; i < faces_.size(); ++i) {
             if (faces_[i].cell_low >= 0) occupancy_bar[faces_[i].cell_low] += ws.jump_bar[i];
@@ -316,10 +325,14 @@ double Water::dissipation(const WaterWorkspace& ws, const double* q_new, const d
     return power;
 }
 
+void WaterTotals::operator+=(const WaterTotals& o) {
+    drag = axpy(1.0, o.drag, drag), thrust = axpy(1.0, o.thrust, thrust);
+    wet_area += o.wet_area;
+}
+
 WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
                           Threads threads) const {
-    std::vector<WaterTotals> parts(static_cast<std::size_t>((n_faces() + kGrain - 1) / kGrain));
-    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+    WaterTotals t = parallel_total<WaterTotals>(threads, n_faces(), kGrain, [&](int begin, int end) {
         WaterTotals own;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
@@ -328,13 +341,8 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
             own.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, own.thrust);
             own.wet_area += std::fabs(faces_[i].weight) * ws.area[i];
         }
-        parts[static_cast<std::size_t>(begin / kGrain)] = own;
+        return own;
     });
-    WaterTotals t;
-    for (const WaterTotals& part : parts) {
-        t.drag = axpy(1.0, part.drag, t.drag), t.thrust = axpy(1.0, part.thrust, t.thrust);
-        t.wet_area += part.wet_area;
-    }
     for (std::size_t k = 0; k < 3 && t.wet_area > 0; ++k)
         t.mean_drag[k] = t.drag[k] / t.wet_area, t.mean_thrust[k] = t.thrust[k] / t.wet_area;
     return t;

@@ -60,12 +60,14 @@ struct WaterWorkspace {
 struct WaterParameterBar {
     double density = 0.0;
     LawsBar laws;  // WaterLaws::ordinates_pullback takes them to the settings' drag and thrust
+    void operator+=(const WaterParameterBar& o);
 };
 
 struct WaterTotals {
-    Vec3 drag{}, thrust{};            // N, on the swimmer
-    Vec3 mean_drag{}, mean_thrust{};  // divided by the wet area (N/m^2)
-    double wet_area = 0.0;            // m^2
+    Vec3 drag{}, thrust{};                  // N, on the swimmer
+    Vec3 mean_drag{}, mean_thrust{};        // divided by the wet area (N/m^2)
+    double wet_area = 0.0;                  // m^2
+    void operator+=(const WaterTotals& o);  // of the sums; the means are left
 };
 
 class Water {
@@ -85,6 +87,12 @@ public:
     // (q_new - q_base) / h.
     double gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                     double* out) const;
+    // The same in two parts: forces of the faces and the value; then out += their sums on the nodes [begin, end).
+    double gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
+                             Threads threads) const;
+    void add_gradient(const WaterWorkspace& ws, int begin, int end, double* out) const {
+        gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
+    }
     // out += H p.
     void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
     // The same in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then out += their sums
@@ -134,6 +142,7 @@ private:
     struct SharedBar {
         Vec3 spine{}, current{};
         WaterParameterBar parameters;
+        void operator+=(const SharedBar& o);
     };
     // Those of one face: into the workspace, and added to `shared`.
     void face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, const Vec3& l, const Vec3& m, double wet_bar,

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "support.hpp"
 
@@ -26,14 +25,9 @@ constexpr char kHeader[] =
     "scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,checkpoint_mib,forward_ms,backward_ms,loss,"
     "loss_error,gradient_error,peak_mib";
 
-struct Settings {
-    std::string csv, data;
-    std::vector<std::string> scenes;
-    Vector rates{15, 30, 60, 120}, threads{1};
-    std::array<int, 3> grid{};
-    double seconds = 1.0, budget = 20.0;
-    int repeat = 3;
-    bool quick = false, reference = false;
+struct Settings : SceneRuns {
+    Vector rates{15, 30, 60, 120};
+    double seconds = 1.0;
 };
 
 double mean_displacement(const Outcome& o) {
@@ -135,47 +129,14 @@ private:
 
 Settings parse(int argc, char** argv) {
     Settings s;
-    if (const char* folder = std::getenv("DQA_TEST_DATA")) s.data = folder;
-    for (int k = 1; k < argc; ++k) {
-        const std::string name = argv[k];
-        const auto value = [&]() -> std::string {
-            if (k + 1 >= argc) throw UsageError(name + " needs a value");
-            return argv[++k];
-        };
-        const auto positive = [&] {
-            const Vector v = numbers(value(), name.c_str());
-            if (v.size() != 1 || !(v[0] > 0)) throw UsageError(name + " takes a number > 0");
-            return v[0];
-        };
-        if (name == "--csv") {
-            s.csv = value();
-        } else if (name == "--threads") {
-            s.threads = numbers(value(), "--threads");
-        } else if (name == "--quick") {
-            s.quick = true, s.seconds = 0.2, s.repeat = 1;
-        } else if (name == "--scenes") {
-            s.scenes = split(value());
-        } else if (name == "--grid") {
-            s.grid = grid_of(value());
-        } else if (name == "--data") {
-            s.data = value();
-        } else if (name == "--seconds") {
-            s.seconds = positive();
-        } else if (name == "--rates") {
-            s.rates = numbers(value(), "--rates");
-        } else if (name == "--repeat") {
-            s.repeat = static_cast<int>(positive());
-        } else if (name == "--budget") {
-            s.budget = positive();
-        } else if (name == "--reference") {
-            s.reference = true;
-        } else {
-            throw UsageError("unknown option " + name);
-        }
-    }
+    Options options;
+    s.add_to(options);
+    options.flag("--quick", [&] { s.quick = true, s.seconds = 0.2, s.repeat = 1; });
+    options.positive("--seconds", s.seconds);
+    options.list("--rates", s.rates);
+    options.parse(argc, argv);
     for (const double rate : s.rates)
         if (!(rate > 0) || s.seconds * rate < 1.0) throw UsageError("--rates and --seconds must make a step or more");
-    if (s.repeat < 1) throw UsageError("--repeat takes a number >= 1");
     if (s.scenes.empty())
         s.scenes = s.quick ? std::vector<std::string>{"eel"} : std::vector<std::string>{"eel", "shipped", "orca_shark"};
     return s;
@@ -184,17 +145,10 @@ Settings parse(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
+    return bench::run_program("bench_rollout", [&] {
         const Settings s = parse(argc, argv);
         Bench bench(s);
         for (const std::string& name : s.scenes)
             if (const auto scene = open_scene(name, s.data, s.grid)) bench.scene(*scene);
-        return 0;
-    } catch (const bench::UsageError& e) {
-        std::fprintf(stderr, "bench_rollout: %s; the first lines of bench_rollout.cpp list the options\n", e.what());
-        return 2;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_rollout: %s\n", e.what());
-        return 1;
-    }
+    });
 }

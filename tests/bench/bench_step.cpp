@@ -3,8 +3,8 @@
 //
 //   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
-//              [--integrators LIST] [--precision LIST] [--sweep tolerance|threshold] [--algebraic] [--discretisation]
-//              [--reference]
+//              [--integrators LIST] [--precision LIST]
+//              [--sweep tolerance|adjoint|threshold] [--algebraic] [--discretisation] [--reference]
 //              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
@@ -15,6 +15,7 @@
 //   :h/8         eight steps for one, cells and threshold as in the row (--discretisation)
 //   :dx/2        cells of half the size with the same blur in metres (--discretisation; both for newton_pcg on active
 //                cells, one thread)
+// --sweep adjoint prints, and writes in columns of its own, the gradient's error over the tolerance of the adjoints.
 // --indicator sets the a-priori estimate of a threshold's error (motion/threshold.hpp) beside the measured ones of
 // newton_pcg, against the full box at 1e-9, and prints the cells and the time that the threshold leaves.
 // In boxes of more than 6000 cells, where factorising the Hessian takes minutes, the exact answer is newton_pcg's at
@@ -38,41 +39,35 @@ constexpr char kHeader[] =
     "scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,backward_ms,"
     "newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib";
 
-struct Settings {
-    std::string csv, data, oracle = "auto";
-    std::vector<std::string> scenes, methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
+constexpr char kAdjointHeader[] =
+    "scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,gradient_error";
+
+struct Settings : SceneRuns {
+    std::string oracle = "auto";
+    std::vector<std::string> methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
         precisions{"single"};
-    Vector thresholds{0.02, 0.0}, tolerances{1e-6}, threads{1.0};
-    std::array<int, 3> grid{};
-    int steps = 5, repeat = 5;
-    double budget = 20.0, sigma = 0.4;
-    bool indicator = false, quick = false, algebraic = false, discretisation = false, reference = false,
-         scaling = false;
+    Vector thresholds{0.02, 0.0}, tolerances{1e-6};
+    int steps = 5;
+    double sigma = 0.4;
+    bool adjoints = false, indicator = false, algebraic = false, discretisation = false, scaling = false;
 };
 
 bool small(const Scene& scene) {
     return scene.grid[0] * scene.grid[1] * scene.grid[2] <= 6000;
 }
 
-template <std::size_t n>
-int place(const char* const (&names)[n], const std::string& name) {
-    for (std::size_t k = 0; k < n; ++k)
-        if (name == names[k]) return static_cast<int>(k);
-    throw UsageError("there is no '" + name + "' to choose");
-}
-
-// Adjoints want tighter solves than steps; the ratio is that of the defaults.
+// Adjoints are solved as exactly as steps: the ratio is that of the defaults.
 Setup setup_of(const Settings& s, int method, int integrator, double threshold, double tolerance, int threads) {
     Setup out;
     out.method = method, out.integrator = integrator, out.threshold = threshold, out.threads = threads;
-    out.tolerance = tolerance, out.adjoint_tolerance = 1e-2 * tolerance;
+    out.tolerance = tolerance, out.adjoint_tolerance = tolerance;
     out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget;
     return out;
 }
 
 class Bench {
 public:
-    explicit Bench(const Settings& s) : s_(s), csv_(s.csv, kHeader) {}
+    explicit Bench(const Settings& s) : s_(s), csv_(s.csv, s.adjoints ? kAdjointHeader : kHeader) {}
 
     void scene(const Scene& scene) {
         exact_.clear();
@@ -135,6 +130,29 @@ public:
                 exponent(setup_ms), exponent(forward), exponent(backward), exponent(peak));
     }
 
+    // The gradient's error over the tolerance of the adjoints, on the same cells: it falls until that of the states is
+    // all that is left.
+    void adjoints(const Scene& scene) {
+        exact_.clear();
+        for (const double threshold : s_.thresholds)
+            for (const double tolerance : s_.tolerances)
+                for (const double adjoint : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
+                    Setup setup = setup_of(s_, 0, 0, threshold, tolerance, static_cast<int>(s_.threads.front()));
+                    setup.adjoint_tolerance = adjoint;
+                    const auto got = measure(scene, setup);
+                    const Outcome* truth = got ? exact(scene, threshold, 0) : nullptr;
+                    if (!truth) continue;
+                    const double error = gradient_error(*got, *truth), ms = spread_of(got->backward).median / s_.steps;
+                    std::printf(
+                        "%-12s %6.0f cells tau %g: tolerance %.0e, of adjoints %.0e: %5.1f iterations a step, "
+                        "backward %8.2f ms, gradient error %.1e\n",
+                        scene.name.c_str(), got->active_cells, threshold, tolerance, adjoint, got->adjoint, ms, error);
+                    std::fflush(stdout);
+                    csv_.row("%s,%s,%.0f,%g,%g,%g,%.2f,%.4f,%.3e\n", scene.name.c_str(), scene.grid_text().c_str(),
+                             got->active_cells, threshold, tolerance, adjoint, got->adjoint, ms, error);
+                }
+    }
+
     void indicator(const Scene& scene) {
         exact_.clear();
         const auto space = dqa::ShapeSpace::load(scene.file);
@@ -179,7 +197,7 @@ private:
         if (found != exact_.end()) return found->second ? &*found->second : nullptr;
         const bool direct = s_.oracle == "direct" || (s_.oracle == "auto" && small(scene) && tolerance <= 1e-12);
         Setup setup = setup_of(s_, direct ? 1 : 0, integrator, threshold, tolerance, 1);
-        setup.adjoint_tolerance = tolerance, setup.repeat = 1;
+        setup.repeat = 1;
         const double start = milliseconds();
         auto& entry = exact_[key] = measure(scene, setup);
         if (entry)
@@ -242,78 +260,38 @@ private:
 
 Settings parse(int argc, char** argv) {
     Settings s;
-    if (const char* folder = std::getenv("DQA_TEST_DATA")) s.data = folder;
-    for (int k = 1; k < argc; ++k) {
-        const std::string name = argv[k];
-        const auto value = [&]() -> std::string {
-            if (k + 1 >= argc) throw UsageError(name + " needs a value");
-            return argv[++k];
-        };
-        const auto count = [&] {
-            const Vector v = numbers(value(), name.c_str());
-            if (v.size() != 1 || v[0] < 1 || v[0] > 1000 || v[0] != std::floor(v[0]))
-                throw UsageError(name + " takes a whole number in [1, 1000]");
-            return static_cast<int>(v[0]);
-        };
-        if (name == "--csv") {
-            s.csv = value();
-        } else if (name == "--threads") {
-            s.threads = numbers(value(), "--threads");
-        } else if (name == "--quick") {
-            s.quick = true, s.steps = 3, s.repeat = 3;
-        } else if (name == "--scenes") {
-            s.scenes = split(value());
-        } else if (name == "--grid") {
-            s.grid = grid_of(value());
-        } else if (name == "--data") {
-            s.data = value();
-        } else if (name == "--steps") {
-            s.steps = count();
-        } else if (name == "--repeat") {
-            s.repeat = count();
-        } else if (name == "--budget") {
-            s.budget = numbers(value(), "--budget")[0];
-        } else if (name == "--methods") {
-            s.methods = split(value());
-            for (const std::string& method : s.methods)
-                if (place(kMethods, method) == kReferenceMethod)
-                    throw UsageError("the reference comes with --reference");
-        } else if (name == "--threshold") {
-            s.thresholds = numbers(value(), "--threshold");
-        } else if (name == "--tolerance") {
-            s.tolerances = numbers(value(), "--tolerance");
-        } else if (name == "--integrators") {
-            s.integrators = split(value());
-            for (const std::string& integrator : s.integrators) place(kIntegrators, integrator);
-        } else if (name == "--precision") {
-            s.precisions = split(value());
-            for (const std::string& precision : s.precisions) place(kPrecisions, precision);
-        } else if (name == "--sweep") {
-            const std::string what = value();
-            if (what == "tolerance")
-                s.tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}, s.algebraic = true;
-            else if (what == "threshold")
-                s.thresholds = {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.0};
-            else
-                throw UsageError("--sweep takes tolerance or threshold");
-        } else if (name == "--algebraic") {
-            s.algebraic = true;
-        } else if (name == "--discretisation") {
-            s.discretisation = true;
-        } else if (name == "--reference") {
-            s.reference = true;
-        } else if (name == "--oracle") {
-            s.oracle = value();
-        } else if (name == "--indicator") {
-            s.indicator = true;
-        } else if (name == "--sigma") {
-            s.sigma = numbers(value(), "--sigma")[0];
-        } else if (name == "--scaling") {
-            s.scaling = true;
+    s.repeat = 5;
+    Options options;
+    s.add_to(options);
+    options.flag("--quick", [&] { s.quick = true, s.steps = 3, s.repeat = 3; });
+    options.whole("--steps", s.steps);
+    options.list("--methods", s.methods);
+    options.list("--threshold", s.thresholds);
+    options.list("--tolerance", s.tolerances);
+    options.list("--integrators", s.integrators);
+    options.list("--precision", s.precisions);
+    options.value("--sweep", [&](const std::string& what) {
+        if (what == "tolerance") {
+            s.tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}, s.algebraic = true;
+        } else if (what == "adjoint") {
+            s.adjoints = true, s.tolerances = {1e-6, 1e-10}, s.thresholds = {0.02};
+        } else if (what == "threshold") {
+            s.thresholds = {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.0};
         } else {
-            throw UsageError("unknown option " + name);
+            throw UsageError("--sweep takes tolerance, adjoint or threshold");
         }
-    }
+    });
+    options.flag("--algebraic", s.algebraic);
+    options.flag("--discretisation", s.discretisation);
+    options.text("--oracle", s.oracle);
+    options.flag("--indicator", s.indicator);
+    options.positive("--sigma", s.sigma);
+    options.flag("--scaling", s.scaling);
+    options.parse(argc, argv);
+    for (const std::string& method : s.methods)
+        if (place(kMethods, method) == kReferenceMethod) throw UsageError("the reference comes with --reference");
+    for (const std::string& integrator : s.integrators) place(kIntegrators, integrator);
+    for (const std::string& precision : s.precisions) place(kPrecisions, precision);
     if (s.oracle != "auto" && s.oracle != "direct" && s.oracle != "pcg")
         throw UsageError("--oracle takes auto, direct or pcg");
     if (s.scenes.empty())
@@ -325,26 +303,21 @@ Settings parse(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
+    return bench::run_program("bench_step", [&] {
         const Settings s = parse(argc, argv);
         Bench bench(s);
         for (const std::string& name : s.scenes) {
             if (s.scaling) {
                 bench.scaling(name);
             } else if (const auto scene = open_scene(name, s.data, s.grid, 1, s.sigma)) {
-                if (s.indicator)
+                if (s.adjoints)
+                    bench.adjoints(*scene);
+                else if (s.indicator)
                     bench.indicator(*scene);
                 else
                     bench.scene(*scene);
             }
         }
         if (bench.failures() > 0) std::printf("%d configurations failed\n", bench.failures());
-        return 0;
-    } catch (const bench::UsageError& e) {
-        std::fprintf(stderr, "bench_step: %s; the first lines of bench_step.cpp list the options\n", e.what());
-        return 2;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "bench_step: %s\n", e.what());
-        return 1;
-    }
+    });
 }

@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -424,52 +422,6 @@ double gradient_error(const Outcome& got, const Outcome& exact, Actuations actua
     if (!got.weights_bar.empty())
         error = std::max(error, distance(got.weights_bar, exact.weights_bar) / std::max(weights, least));
     return error;
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> out;
-    std::size_t from = 0;
-    for (std::size_t to = 0; to != std::string::npos; from = to + 1)
-        to = text.find(',', from), out.push_back(text.substr(from, to - from));
-    return out;
-}
-
-Vector numbers(const std::string& text, const char* option) {
-    Vector out;
-    for (const std::string& part : split(text)) {
-        char* end = nullptr;
-        out.push_back(std::strtod(part.c_str(), &end));
-        if (part.empty() || *end != '\0' || !std::isfinite(out.back()))
-            throw UsageError(std::string(option) + " takes numbers with commas between them, not '" + text + "'");
-    }
-    return out;
-}
-
-std::array<int, 3> grid_of(const std::string& text) {
-    std::array<int, 3> g{};
-    if (std::sscanf(text.c_str(), "%dx%dx%d", &g[0], &g[1], &g[2]) != 3)
-        throw UsageError("a grid is NXxNYxNZ, not '" + text + "'");
-    return g;
-}
-
-Csv::Csv(const std::string& path, const char* header) {
-    if (path.empty()) return;
-    file_ = std::fopen(path.c_str(), "w");
-    if (!file_) throw UsageError("cannot write " + path);
-    row("%s\n", header);
-}
-
-Csv::~Csv() {
-    if (file_) std::fclose(file_);
-}
-
-void Csv::row(const char* pattern, ...) {
-    if (!file_) return;
-    va_list args;
-    va_start(args, pattern);
-    const int written = std::vfprintf(file_, pattern, args);
-    va_end(args);
-    if (written < 0 || std::fflush(file_) != 0) throw std::runtime_error("the CSV file could not be written");
 }
 
 }  // namespace bench

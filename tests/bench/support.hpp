@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Shared by the benchmarks: scenes, runs in a process of their own, statistics, errors, command lines.
+// Shared by the benchmarks: scenes, runs in a process of their own, statistics, errors.
 //
 // Every configuration runs in a child process, so that its peak memory is its own. Shape spaces are built once, in a
 // child too, and handed on as files.
@@ -8,15 +8,13 @@
 #include <array>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "command_line.hpp"
 #include "diffaqua.h"
 
 namespace bench {
-
-using Vector = std::vector<double>;
 
 // Throws what dqa_last_error says.
 void check(dqa_status status, const char* what);
@@ -61,7 +59,7 @@ constexpr const char* kPrecisions[] = {"single", "double"};  // of the precondit
 
 struct Setup {
     int method = 0, integrator = 0, material = 0, precision = 0, threads = 1;
-    double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 1e-8;
+    double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 1e-6;
     double time_step = 1.0 / 30.0;
     int steps = 5, repeat = 5;
     double budget = 60.0;   // s, after which no further repetition starts
@@ -94,28 +92,5 @@ double state_error(const Outcome& got, const Outcome& exact, const Scene& scene,
 // decide. Rollouts of other time steps are compared in the gradient by each signal's amplitude.
 enum class Actuations { each, amplitudes };
 double gradient_error(const Outcome& got, const Outcome& exact, Actuations actuations = Actuations::each);
-
-// ---------------------------------------------------------------- command lines
-
-std::vector<std::string> split(const std::string& text);  // at commas
-Vector numbers(const std::string& text, const char* option);
-std::array<int, 3> grid_of(const std::string& text);
-
-struct UsageError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
-// CSV file, or nothing where the path is empty; every row is flushed, and a failed write throws.
-class Csv {
-public:
-    Csv(const std::string& path, const char* header);
-    ~Csv();
-    Csv(const Csv&) = delete;
-    Csv& operator=(const Csv&) = delete;
-    void row(const char* pattern, ...) __attribute__((format(printf, 2, 3)));
-
-private:
-    std::FILE* file_ = nullptr;
-};
 
 }  // namespace bench
