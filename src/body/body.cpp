@@ -66,6 +66,12 @@ void Body::filter(BodyWorkspace& ws) const {
     for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->filter(ws.terms[t]);
 }
 
+double Body::cancelling() const {
+    double sum = 0.0;
+    for (const auto& term : terms_) sum += term->cancelling();
+    return sum;
+}
+
 std::vector<Vec3> Body::preconditioner_stiffness() const {
     std::vector<Vec3> stiffness(n_cells_, Vec3{});
     for (const auto& term : terms_) term->precondition(stiffness);

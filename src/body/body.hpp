@@ -45,6 +45,8 @@ public:
     void add_product(const BodyWorkspace& ws, int begin, int end, double* out) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     void filter(BodyWorkspace& ws) const;
+    // Size of the parts that cancel in the energy (J); see EnergyTerm.
+    double cancelling() const;
     // Stiffness of each active cell along x, y, z for a scalar Laplacian that stands for the Hessian (Pa).
     std::vector<Vec3> preconditioner_stiffness() const;
     // Adds the cotangents of lambda . dE/dq at q (the workspace holds the gradient there).

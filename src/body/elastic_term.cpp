@@ -2,6 +2,7 @@
 #include "body/elastic_term.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace dqa {
@@ -89,6 +90,16 @@ void ElasticTerm::add_product(const TermWorkspace& ws, int begin, int end, doubl
 
 void ElasticTerm::filter(TermWorkspace& ws) const {
     kernels_.filter(ws.cache.data(), cells_.n_blocks());
+}
+
+// |F|^2 and 3, and the squares of J - alpha and 1 - alpha.
+double ElasticTerm::cancelling() const {
+    double sum = 0.0;
+    if (kind_ == ElasticKind::neo_hookean)
+        for (const double w : weight_) sum += 1.5 * kernels_.points * w;
+    if (kind_ == ElasticKind::neo_hookean_volume)
+        for (std::size_t c = 0; c < weight_.size(); ++c) sum += std::fabs(weight_[c] * (1.0 - shift_[c]));
+    return sum;
 }
 
 // grad-div terms resist one direction of each gradient in three: a third of the modulus.

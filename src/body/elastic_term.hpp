@@ -20,6 +20,7 @@ public:
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override;
     void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override;
     void filter(TermWorkspace& ws) const override;
+    double cancelling() const override;
     void precondition(std::vector<Vec3>& stiffness) const override;
     void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
                   const BodyBar& bar) const override;

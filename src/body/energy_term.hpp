@@ -40,6 +40,8 @@ public:
     virtual void add_product(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     virtual void filter(TermWorkspace& ws) const = 0;
+    // Size of the parts that cancel in the energy (J): at rest its rounding is that of these, however small it is.
+    virtual double cancelling() const { return 0.0; }
     // Adds the stiffness of each cell along x, y, z that a scalar Laplacian should carry: [n_cells] (Pa).
     virtual void precondition(std::vector<Vec3>& stiffness) const = 0;
     // Adds the cotangents of lambda . dE/dq at q, where the workspace holds the gradient.

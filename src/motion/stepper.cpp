@@ -50,7 +50,8 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       free_(free_motions(*design_)),
       piece_(pieces_of(design_->set(), design_->occupancy())),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())),
-      extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())) {
+      extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())),
+      energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()) {
     for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_, &lag_q_, &lag_v_,
                     &candidate_, &right_})
         v->assign(size_, 0.0);
@@ -354,10 +355,11 @@ void Stepper::check_cancelled(long step) const {
     if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
 }
 
-// Changes of the energy below this are rounding: its own, and that of positions, which carry one that the forces turn
-// into energy; close to rest it outweighs the rest.
+// Changes of the energy below this are rounding: its own, that of parts which cancel in it, and that of positions, which
+// carry one that the forces turn into energy; close to rest these outweigh the first.
 double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now) const {
-    return 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * ordered_norm(x.data(), size_, threads_);
+    return 1e-13 * std::fabs(now.energy) + energy_rounding_ +
+           1e-15 * now.scale * ordered_norm(x.data(), size_, threads_);
 }
 
 // Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;

@@ -119,6 +119,7 @@ private:
     std::vector<int> piece_;               // of each node
     std::size_t size_;                     // 3 n_nodes
     double extent_;                        // of the body at rest (m)
+    double energy_rounding_;               // of parts that cancel (J)
     std::vector<double> free_coordinate_;  // 1, or 0 where constrained; empty if all are free
     Threads threads_{1};                   // of the call in progress
     BodyWorkspace body_;
