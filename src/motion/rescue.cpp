@@ -4,6 +4,11 @@
 // region in the norm d.P d: Conn, Gould & Toint 2000, chapter 7). It needs neither a convex model nor a direction along
 // which a full step goes down. P stands for the stiffness of each cell, so that nearly empty cells may go far; and P d
 // costs no product: conjugate gradients know it of all their vectors.
+//
+// A slender body that buckles, or snaps from one side to the other, moves along a curved valley of the energy: bending
+// costs next to nothing, but the straight way along it stretches the tissue, and is turned down however well it was
+// chosen. So a trial point first goes down to the floor of its valley by a few loose solves, and is judged there: the
+// second-order correction of constrained optimisation (Fletcher 1982; the stiff strains stand for the constraints).
 #include <algorithm>
 #include <cmath>
 
@@ -14,15 +19,18 @@
 namespace dqa {
 namespace {
 
-constexpr int kPatience = 10;          // times max_newton - 1: iterations of each attempt
+constexpr int kPatience = 10;  // times max_newton - 1: iterations of each attempt
+constexpr double kFirstShift = 0.01;
 constexpr double kLeastShift = 1e-4;   // smaller ones count as none
 constexpr double kLargestShift = 1e8;  // larger ones go nowhere
+constexpr int kCorrections = 4;        // of a trial point
+constexpr int kOfCorrection = 100;     // products: it is the stiff strains that are corrected, and they are found first
 
 }  // namespace
 
-// direction_ <- -(H + shift P)^-1 gradient_. Returns the decrease that the model without the shift promises; 0 where
-// the shifted Hessian is not positive.
-double Stepper::shifted_direction(double forcing, double shift, StepReport& report) {
+// direction_ <- -(H + shift P)^-1 gradient_ by at most `limit` products. Returns the decrease that the model without
+// the shift promises; 0 where the shifted Hessian is not positive.
+double Stepper::shifted_direction(double forcing, double shift, int limit, StepReport& report) {
     std::vector<double>&d = direction_, &r = krylov_.r, &z = krylov_.z, &p = krylov_.p, &hp = krylov_.ap;
     std::vector<double>&pp = preconditioned_[0], &pd = preconditioned_[1];  // P p, P d
     for (auto* v : {&d, &p, &pp, &pd}) v->assign(size_, 0.0);
@@ -30,7 +38,7 @@ double Stepper::shifted_direction(double forcing, double shift, StepReport& repo
     for (std::size_t i = 0; i < size_; ++i) r[i] = -gradient_[i];
     const double enough = forcing * std::sqrt(ordered_dot(r.data(), r.data(), size_));
     double rz = 0.0;
-    for (int k = 0; k < scene_.max_linear; ++k) {
+    for (int k = 0; k < limit; ++k) {
         precondition(r.data(), z.data());
         const double rz_new = ordered_dot(r.data(), z.data(), size_), beta = k == 0 ? 0.0 : rz_new / rz;
         rz = rz_new;
@@ -53,20 +61,26 @@ double Stepper::shifted_direction(double forcing, double shift, StepReport& repo
 // From x down; false where `limit` iterations do not do or no shift is large enough.
 bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
                               StepReport& report) {
-    double shift = 1.0;
+    double shift = kFirstShift;
     candidate_.resize(size_);
     for (int k = 0; k < limit && shift < kLargestShift; ++k) {
         if (settled(x, now, signals)) return true;
         check_cancelled(step);
         ++report.newton_iterations;
-        const double decrease = shifted_direction(forcing(now), shift, report);
+        const double decrease = shifted_direction(forcing(now), shift, scene_.max_linear, report);
         if (!(decrease > 0)) {
             shift = std::max(kLeastShift, 4.0 * shift);
             continue;
         }
         for (std::size_t i = 0; i < size_; ++i) candidate_[i] = x[i] + direction_[i];
-        const Evaluation next = evaluate(candidate_.data(), signals);
+        Evaluation next = evaluate(candidate_.data(), signals);
         const double noise = energy_noise(x, now);
+        for (int c = 0; c < kCorrections && next.finite && decrease > noise; ++c) {
+            const double missing = next.energy - (now.energy - 0.75 * decrease);
+            if (!(missing > 0) || !(shifted_direction(0.1, shift, kOfCorrection, report) > 0.1 * missing)) break;
+            for (std::size_t i = 0; i < size_; ++i) candidate_[i] += direction_[i];
+            next = evaluate(candidate_.data(), signals);
+        }
         const double ratio = next.finite ? (now.energy - next.energy) / decrease : -1.0;
         // Where rounding hides the energies' difference the residual decides.
         const bool alike = next.finite && decrease < noise && next.energy <= now.energy + noise;
@@ -76,8 +90,10 @@ bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const dou
             if (ratio > 0.75 || alike) shift = shift > kLeastShift ? 0.2 * shift : 0.0;
             continue;
         }
+        // At the rounding of the positions, where steps no longer help, the answer is as exact as it can be.
+        const bool stagnant = alike && now.residual <= kNoise * noise_;
         now = evaluate(x.data(), signals);
-        if (alike && shift == 0.0) return now.residual <= kNoise * noise_;
+        if (alike && (stagnant || shift == 0.0)) return stagnant;
         shift = std::max(kLeastShift, 4.0 * shift);
     }
     return settled(x, now, signals);

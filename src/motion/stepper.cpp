@@ -14,6 +14,8 @@ namespace dqa {
 namespace {
 
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
+constexpr double kShort = 0.1;        // of Newton's step: less of it is a short step,
+constexpr int kShortSteps = 3;        // and this many say that the energy's valley is curved
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
 // Largest distance along an axis from the first node, or one that is larger than `enough`.
@@ -355,8 +357,8 @@ void Stepper::check_cancelled(long step) const {
     if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
 }
 
-// Changes of the energy below this are rounding: its own, that of parts which cancel in it, and that of positions, which
-// carry one that the forces turn into energy; close to rest these outweigh the first.
+// Changes of the energy below this are rounding: its own, that of parts which cancel in it, and that of positions,
+// which carry one that the forces turn into energy; close to rest these outweigh the first.
 double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now) const {
     return 1e-13 * std::fabs(now.energy) + energy_rounding_ +
            1e-15 * now.scale * ordered_norm(x.data(), size_, threads_);
@@ -364,7 +366,7 @@ double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now
 
 // Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
 // otherwise they are evaluated anew where they were.
-bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
+double Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
     const double slope = dot(gradient_.data(), direction_.data());
     // Near the solution the energy's change drowns in its rounding; there the residual decides.
     const double noise = energy_noise(x, now) + 1e-13 * std::fabs(slope);
@@ -380,16 +382,17 @@ bool Stepper::line_search(std::vector<double>& x, Evaluation& now, const double*
             (next.energy <= now.energy + noise && next.residual < now.residual)) {
             x.swap(candidate_);
             now = next;
-            return true;
+            return t;
         }
     }
     now = evaluate(x.data(), signals);
-    return false;
+    return 0.0;
 }
 
 const char* Stepper::descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
                                     StepReport& report) {
     bool force_filter = false;
+    int short_steps = 0;
     double previous = std::numeric_limits<double>::infinity();
     while (!settled(x, now, signals)) {
         // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
@@ -406,7 +409,9 @@ const char* Stepper::descend_newton(std::vector<double>& x, Evaluation& now, con
             ++report.filtered;
             if (!newton_direction(enough, report)) return "no descent direction was found";
         }
-        if (line_search(x, now, signals)) {
+        const double share = line_search(x, now, signals);
+        if (share > 0) {
+            if (share < kShort && ++short_steps == kShortSteps) return "the line search takes short steps";
             force_filter = false;
             continue;
         }
@@ -429,7 +434,7 @@ const char* Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& no
         ++report.newton_iterations, ++report.linear_iterations;
         history.direction(gradient_.data(), initial, direction_);
         std::vector<double> move(x), change(gradient_);
-        if (line_search(x, now, signals)) {
+        if (line_search(x, now, signals) > 0) {
             for (std::size_t i = 0; i < size_; ++i) move[i] = x[i] - move[i], change[i] = gradient_[i] - change[i];
             history.remember(move, change);
             continue;

@@ -96,7 +96,8 @@ private:
     double target(const Evaluation& now) const;
     double forcing(const Evaluation& now) const;
     double energy_noise(const std::vector<double>& x, const Evaluation& now) const;
-    bool line_search(std::vector<double>& x, Evaluation& now, const double* signals);
+    // The share of direction_ that was gone; 0 if none was found.
+    double line_search(std::vector<double>& x, Evaluation& now, const double* signals);
     // From x down to the answer. They return what went wrong, null if nothing did.
     const char* descend_newton(std::vector<double>& x, Evaluation& now, const double* signals, long step,
                                StepReport& report);
@@ -104,7 +105,7 @@ private:
                                      StepReport& report);
     bool descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
                          StepReport& report);
-    double shifted_direction(double forcing, double shift, StepReport& report);
+    double shifted_direction(double forcing, double shift, int limit, StepReport& report);
     void rescue(const State& before, std::vector<double>& x, Evaluation& now, const double* signals, long step,
                 const char* why, StepReport& report);
     void check_unfolds(const State& before, long step) const;
