@@ -544,6 +544,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;
+        if (solved) balance_adjoint(q_new, rhs);
     }
     if (!solved) {
         if (scene_.method != Method::newton_direct)

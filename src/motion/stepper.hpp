@@ -93,6 +93,7 @@ private:
     void check_cancelled(long step) const;
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
+    void balance_adjoint(const double* q, const std::vector<double>& rhs);
     double target(const Evaluation& now) const;
     double forcing(const Evaluation& now) const;
     double energy_noise(const std::vector<double>& x, const Evaluation& now) const;
