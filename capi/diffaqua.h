@@ -764,6 +764,68 @@ DQA_API dqa_status dqa_adam_step(double *x, const double *gradient, const double
 /* Euclidean projection of x [n] onto the simplex, in place (Held, Wolfe & Crowder 1974). */
 DQA_API dqa_status dqa_project_simplex(double *x, int64_t n);
 
+/* ------------------------------------------------------------------ search without gradients */
+/* CMA-ES: minimises a function of n numbers from its values alone (N. Hansen, "The CMA Evolution Strategy: A Tutorial",
+ * arXiv 1604.00772, with full covariance, negative weights and all default constants). The caller evaluates, where and
+ * how it likes: ask for the candidates of a generation, tell their values, and so on. The same options, seed and values
+ * give the same candidates to the bit, also after saving and loading.
+ *
+ * Unknowns are free: bounds are the caller's. The usual way is to evaluate the nearest point within them and to tell
+ * its value plus a multiple of the squared distance to it, so that there is always a way back (section B.5). Weights
+ * of bases are searched as n_bases free numbers in the same way, with dqa_project_simplex as the nearest point. */
+typedef struct dqa_cma_es dqa_cma_es;
+
+/* How to search. */
+typedef struct dqa_cma_es_options {
+    uint32_t struct_size;
+    uint32_t flags;       /* must be 0 */
+    int64_t population;   /* candidates a generation, >= 2, with n * population <= 2^26; 0 (default): 4 + floor(3 ln n).
+                             More find better minima of functions with many, at more evaluations */
+    uint64_t seed;        /* of the normal numbers; default 1 */
+    double sigma;         /* > 0: first standard deviation, in units of the scales; default 0.3. About a third of the
+                             range in which the minimum is expected */
+} dqa_cma_es_options;
+/* Fills *options with defaults; `size` is sizeof(dqa_cma_es_options) as the caller compiled it. */
+DQA_API dqa_status dqa_cma_es_options_init(dqa_cma_es_options *options, uint64_t size);
+/* A search that starts at mean [n], n in [1, 2048]. scales [n], each > 0: what counts as one unit of each unknown
+ * (NULL: 1). Both are copied. */
+DQA_API dqa_status dqa_cma_es_create(const dqa_cma_es_options *options, const double *mean, const double *scales,
+                                     int64_t n, dqa_cma_es **search);
+/* NULL: nothing happens. */
+DQA_API void dqa_cma_es_free(dqa_cma_es *search);
+/* Candidates [population][n] of this generation; asking again before telling gives the same ones. count = population *
+ * n. DQA_DIVERGED when the step size has grown until they overflow. */
+DQA_API dqa_status dqa_cma_es_ask(dqa_cma_es *search, double *candidates, int64_t count);
+/* Values [population] of the candidates in their order, none of them NaN or -infinity; +infinity for what could not be
+ * evaluated. Ends the generation. DQA_ERROR_STATE unless they were asked for. DQA_DIVERGED when the covariance overflows: that
+ * search is over. */
+DQA_API dqa_status dqa_cma_es_tell(dqa_cma_es *search, const double *values, int64_t population);
+/* The candidate of the lowest value so far, x [n], and that value; either may be NULL: not wanted. DQA_ERROR_STATE
+ * before a finite value was told. */
+DQA_API dqa_status dqa_cma_es_best(const dqa_cma_es *search, double *x, int64_t n, double *value);
+/* Centre [n] of the distribution, where candidates are drawn about: often better than any of them. */
+DQA_API dqa_status dqa_cma_es_mean(const dqa_cma_es *search, double *mean, int64_t n);
+
+/* What dqa_cma_es_get_info tells. */
+typedef struct dqa_cma_es_info {
+    uint32_t struct_size;
+    int32_t asked;        /* 1: candidates wait for their values */
+    int64_t n;            /* unknowns */
+    int64_t population;   /* candidates a generation */
+    int64_t generation;   /* finished ones */
+    int64_t evaluations;  /* values told */
+    double sigma;         /* step size, in units of the scales */
+    double widest;        /* largest standard deviation of an unknown, in units of its scale: small when converged */
+    double axis_ratio;    /* longest over shortest axis of the distribution: above 1e7 it is no longer well defined */
+} dqa_cma_es_info;
+/* `size` is sizeof(dqa_cma_es_info) as the caller compiled it. */
+DQA_API dqa_status dqa_cma_es_get_info(const dqa_cma_es *search, dqa_cma_es_info *info, uint64_t size);
+/* Writes the state (atomically: a temporary file, then rename) and reads it back with the same bits. Candidates that
+ * wait for their values are not in the file: asked for again, they are the same. */
+DQA_API dqa_status dqa_cma_es_save(const dqa_cma_es *search, const char *path);
+/* The search of a file written by dqa_cma_es_save; DQA_ERROR_FILE if it is none, is damaged or of a later version. */
+DQA_API dqa_status dqa_cma_es_load(const char *path, dqa_cma_es **search);
+
 #ifdef __cplusplus
 }
 #endif

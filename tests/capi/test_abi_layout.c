@@ -220,6 +220,24 @@ AT(dqa_gradient_check_report, relative_error, 24)
 AT(dqa_gradient_check_report, taylor_slope, 32)
 AT(dqa_gradient_check_report, gradient_norm, 40)
 AT(dqa_gradient_check_report, step, 48)
+
+SIZE(dqa_cma_es_options, 32)
+AT(dqa_cma_es_options, struct_size, 0)
+AT(dqa_cma_es_options, flags, 4)
+AT(dqa_cma_es_options, population, 8)
+AT(dqa_cma_es_options, seed, 16)
+AT(dqa_cma_es_options, sigma, 24)
+
+SIZE(dqa_cma_es_info, 64)
+AT(dqa_cma_es_info, struct_size, 0)
+AT(dqa_cma_es_info, asked, 4)
+AT(dqa_cma_es_info, n, 8)
+AT(dqa_cma_es_info, population, 16)
+AT(dqa_cma_es_info, generation, 24)
+AT(dqa_cma_es_info, evaluations, 32)
+AT(dqa_cma_es_info, sigma, 40)
+AT(dqa_cma_es_info, widest, 48)
+AT(dqa_cma_es_info, axis_ratio, 56)
 /* clang-format on */
 
 #endif
@@ -232,6 +250,7 @@ static void sizes_agree(void** state) {
     dqa_tape_options tape;
     dqa_objective_term term;
     dqa_gradient_check_options check;
+    dqa_cma_es_options search;
     (void)state;
     ok(dqa_shape_space_options_init(&space, sizeof space));
     ok(dqa_simulator_options_init(&simulator, sizeof simulator));
@@ -239,12 +258,14 @@ static void sizes_agree(void** state) {
     ok(dqa_tape_options_init(&tape, sizeof tape));
     ok(dqa_objective_term_init(&term, sizeof term));
     ok(dqa_gradient_check_options_init(&check, sizeof check));
+    ok(dqa_cma_es_options_init(&search, sizeof search));
     assert_int_equal(space.struct_size, sizeof space);
     assert_int_equal(simulator.struct_size, sizeof simulator);
     assert_int_equal(actuator.struct_size, sizeof actuator);
     assert_int_equal(tape.struct_size, sizeof tape);
     assert_int_equal(term.struct_size, sizeof term);
     assert_int_equal(check.struct_size, sizeof check);
+    assert_int_equal(search.struct_size, sizeof search);
 }
 
 int main(void) {
