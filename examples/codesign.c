@@ -15,6 +15,7 @@
 
 #include "diffaqua.h"
 #include "support/checkpoint.h"
+#include "support/descent.h"
 #include "support/history.h"
 #include "support/interrupt.h"
 #include "support/motion.h"
@@ -23,15 +24,12 @@
 #include "support/picture.h"
 #include "support/progress.h"
 #include "support/report_run.h"
+#include "support/results.h"
 #include "support/run.h"
 #include "support/say.h"
 #include "support/scene.h"
-#include "support/stl.h"
 #include "support/summary.h"
 #include "support/vtu.h"
-
-#define DESIGN_FILE "design.stl"
-#define CONTROLLER_FILE "controller.dqa" /* of the best design; dqa_controller_load reads it */
 
 /* A job: the run, where it stands in its scene, and what its checkpoint belongs to. */
 typedef struct job {
@@ -127,57 +125,15 @@ static int check_stages(job* w) {
     return outcome;
 }
 
-/* The gradient is proven before the last stage trusts it: at its first design, once. */
-static int prove_one(job* w, int32_t with_respect_to, const char* of, gradient_proof* proof) {
-    const double started = progress_clock();
-    int outcome;
-    if (proof->state != PROOF_OPEN) return DONE;
-    outcome = scene_prove(&w->s, with_respect_to, of, proof, &w->p);
-    if (outcome != DONE) return outcome;
-    if (proof->state == PROOF_MADE && !(proof->report.relative_error <= 1e-6))
-        say("warning: the gradient of the %s differs from finite differences by a relative %.1e", of,
-            proof->report.relative_error);
-    w->r.seconds += progress_clock() - started;
-    return checkpoint_save(&w->r, w->settings, w->o.out);
-}
-
+/* The gradient is proven at the first design of the last stage. */
 static int prove(job* w) {
-    gradient_proof *weights = &w->r.proof_weights, *control = &w->r.proof_control;
-    int outcome;
-    if (w->r.iteration > w->r.stage_first || !last_stage(w)) return DONE;
-    outcome = scene_set(&w->s, w->r.x, &w->p);
-    /* A single base cannot vary. */
-    if (outcome == DONE && w->r.n_weights > 1) outcome = prove_one(w, DQA_WRT_WEIGHTS, "weights", weights);
-    if (outcome == DONE) outcome = prove_one(w, DQA_WRT_CONTROL, "controller", control);
-    return outcome;
+    const descent d = {&w->r, &w->s, &w->p, w->settings, w->o.out, 0};
+    return w->r.iteration > w->r.stage_first || !last_stage(w) ? DONE : descent_prove(&d);
 }
 
 /* ------------------------------------------------------------------ the optimisation */
-static int iterate(job* w) {
-    history_row row = {0};
-    double* gradient = malloc((size_t)w->r.n * sizeof *gradient);
-    int outcome = gradient != NULL ? DONE : say_no_memory();
-    if (outcome == DONE && run_repeats(&w->r, &row))
-        memcpy(gradient, w->r.gradient, (size_t)w->r.n * sizeof *gradient);
-    else if (outcome == DONE)
-        outcome = scene_evaluate(&w->s, w->r.x, gradient, &row, &w->p);
-    if (outcome == DONE) {
-        row.iteration = w->r.iteration + 1;
-        row.stage = w->r.stage;
-        row.cpu_seconds = w->r.cpu_before + progress_cpu();
-        outcome = run_advance(&w->r, &row, gradient);
-    }
-    free(gradient);
-    if (outcome != DONE) return outcome;
-    w->r.seconds += row.seconds;
-    /* The table first: a checkpoint never claims an iteration that the table lacks. */
-    outcome = history_write(&w->r, w->s.space, w->o.out);
-    if (outcome == DONE) outcome = checkpoint_save(&w->r, w->settings, w->o.out);
-    if (outcome == DONE) progress_iteration(&w->p, w->r.iteration, row.loss, w->r.best_loss, row.seconds);
-    return outcome;
-}
-
 static int optimise(job* w, int* converged) {
+    const descent d = {&w->r, &w->s, &w->p, w->settings, w->o.out, 0};
     for (;;) {
         const int64_t end = stage_end(w);
         int outcome;
@@ -186,7 +142,7 @@ static int optimise(job* w, int* converged) {
         outcome = prove(w);
         *converged = run_converged(&w->r);
         while (outcome == DONE && w->r.iteration < end && !*converged && (last_stage(w) || !run_stalled(&w->r))) {
-            outcome = interrupted() ? INTERRUPTED : iterate(w);
+            outcome = interrupted() ? INTERRUPTED : descent_iterate(&d);
             if (outcome == DONE) *converged = run_converged(&w->r);
         }
         if (outcome != DONE || last_stage(w)) return outcome;
@@ -197,15 +153,6 @@ static int optimise(job* w, int* converged) {
 }
 
 /* ------------------------------------------------------------------ results */
-/* The best design swam last: its parameters are the controller's. */
-static int write_controller(const job* w) {
-    char* path = output_path(w->o.out, CONTROLLER_FILE);
-    const int outcome =
-        path != NULL ? say_status(dqa_controller_save(w->s.controller, path), "save the controller") : FAILED;
-    free(path);
-    return outcome;
-}
-
 static int write_results(job* w, int converged) {
     const double started = progress_clock();
     motion first, best;
@@ -218,10 +165,8 @@ static int write_results(job* w, int converged) {
     w->r.first_loss = w->r.rows[0].stage == w->r.stage ? w->r.rows[0].loss : first.objective;
     progress_stage(&w->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = history_write(&w->r, w->s.space, w->o.out);
-    if (outcome == DONE)
-        outcome = stl_write(w->o.out, DESIGN_FILE, motion_frame(&best, 0), best.triangles, best.n_triangles);
-    if (outcome == DONE) outcome = write_controller(w);
-    if (outcome == DONE) outcome = vtu_write_motion(&best, w->o.out);
+    /* The best design swam last: it is the scene's. */
+    if (outcome == DONE) outcome = results_write(&w->s, &best, w->o.out);
     if (outcome == DONE) outcome = picture_make(&w->r, w->s.space, &first, &best, w->o.out, &w->drawn);
     w->r.seconds += progress_clock() - started;
     if (outcome == DONE) outcome = report_run("codesign", &w->r, &w->o, &w->s, &first, &best, w->command, w->o.out);
@@ -244,7 +189,7 @@ static int list_results(const job* w, int converged) {
     for (int64_t i = 0; i < r->n_weights; ++i)
         printf("  %6.1f %%  %s\n", 100.0 * r->best_x[i], dqa_shape_space_base_name(w->s.space, (int32_t)i));
     printf("Files:\n  %s/%s  (opens in any browser)\n", out, REPORT_FILE);
-    if (w->drawn) printf("  %s/%s  (made by %s and %s/ there)\n", out, PICTURE_FILE, PICTURE_SCRIPT, PICTURE_FOLDER);
+    if (w->drawn) printf("  %s/%s  (made by %s and %s/ there)\n", out, PICTURE_FILE, PICTURE_SCRIPT, PLOT_FOLDER);
     printf("  %s/%s\n  %s/%s\n", out, HISTORY_FILE, out, SUMMARY_FILE);
     printf("  %s/%s  (%lld frames in %s/)\n", out, VTU_INDEX, (long long)w->frames, VTU_FOLDER);
     printf("  %s/%s\n  %s/%s\n  %s/%s\n", out, DESIGN_FILE, out, CONTROLLER_FILE, out, CHECKPOINT_FILE);
@@ -298,7 +243,7 @@ int main(int argc, char** argv) {
         say("the diffaqua library found has ABI %d; this program needs %d", (int)dqa_abi_version(), DQA_ABI_VERSION);
         return FAILED;
     }
-    outcome = options_parse(&w.o, argc, argv, &action);
+    outcome = options_parse(&w.o, &options_codesign, argc, argv, &action);
     if (outcome == DONE && action == OPTIONS_RUN) {
         w.command = options_command(argc, argv);
         outcome = w.command != NULL ? prepare(&w, &created) : FAILED;

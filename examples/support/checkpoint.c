@@ -15,7 +15,7 @@
 #include "progress.h"
 #include "say.h"
 
-#define MAGIC "codesign checkpoint 3\n"
+#define MAGIC "codesign checkpoint 4\n"
 #define SETTINGS_END "settings-end\n"
 
 char* checkpoint_settings(const options* o) {
@@ -121,8 +121,9 @@ int checkpoint_save(const run* r, const char* settings, const char* folder) {
         const history_row* row = &r->rows[k];
         const double numbers[5] = {row->loss, row->gradient_weights, row->gradient_control, row->seconds,
                                    row->cpu_seconds};
-        memory_text_add(&t, "row %" PRId64 " %d %" PRId64 " %" PRId64 " %" PRId64, row->iteration, (int)row->stage,
-                        row->newton_iterations, row->linear_iterations, row->adjoint_iterations);
+        memory_text_add(&t, "row %" PRId64 " %d %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64, row->iteration,
+                        (int)row->stage, row->simulations, row->newton_iterations, row->linear_iterations,
+                        row->adjoint_iterations);
         put_numbers(&t, "", numbers, 5);
         put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
@@ -230,6 +231,7 @@ static int parse_state(run* r, const char* text) {
         expect_word(&c, "row");
         row->iteration = next_integer(&c);
         row->stage = (int32_t)next_integer(&c);
+        row->simulations = next_integer(&c);
         row->newton_iterations = next_integer(&c);
         row->linear_iterations = next_integer(&c);
         row->adjoint_iterations = next_integer(&c);

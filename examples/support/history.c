@@ -28,7 +28,7 @@ static void header(FILE* stream, const run* r, const dqa_shape_space* space) {
     }
     fputs(
         ",grad_norm_weights,grad_norm_control,seconds,cpu_seconds,newton_iterations,linear_iterations,adjoint_"
-        "iterations,stage",
+        "iterations,stage,simulations",
         stream);
     for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
         fprintf(stream, ",%s", objective_name(r->loss->kinds[k]));
@@ -44,9 +44,10 @@ int history_write(const run* r, const dqa_shape_space* space, const char* folder
         fprintf(file.stream, "%lld,%.17g", (long long)row->iteration, row->loss);
         for (int64_t i = 0; i < (r->mlp ? r->n_weights : r->n); ++i)
             fprintf(file.stream, ",%.17g", r->row_x[k * r->n + i]);
-        fprintf(file.stream, ",%.17g,%.17g,%.3f,%.3f,%lld,%lld,%lld,%d", row->gradient_weights, row->gradient_control,
-                row->seconds, row->cpu_seconds, (long long)row->newton_iterations, (long long)row->linear_iterations,
-                (long long)row->adjoint_iterations, (int)row->stage + 1);
+        fprintf(file.stream, ",%.17g,%.17g,%.3f,%.3f,%lld,%lld,%lld,%d,%lld", row->gradient_weights,
+                row->gradient_control, row->seconds, row->cpu_seconds, (long long)row->newton_iterations,
+                (long long)row->linear_iterations, (long long)row->adjoint_iterations, (int)row->stage + 1,
+                (long long)row->simulations);
         for (int32_t t = 0; t < r->loss->n_terms && r->loss->n_terms > 1; ++t)
             fprintf(file.stream, ",%.17g", row->terms[t]);
         fputs("\n", file.stream);

@@ -11,7 +11,7 @@
 /* Writes the finished iterations to folder/history.csv, whole or not at all. Columns: iteration, loss (m), the weight
  * of each base, a, omega (rad/s) and phi (rad) of each signal, grad_norm_weights, grad_norm_control, seconds,
  * cpu_seconds (since the start), newton_iterations, linear_iterations, adjoint_iterations (0 where the design repeats),
- * stage (of the schedule, from 1), and the terms of a sum. DONE or FAILED (said). */
+ * stage (of the schedule, from 1), simulations (since the start), and the terms of a sum. DONE or FAILED (said). */
 int history_write(const run* r, const dqa_shape_space* space, const char* folder);
 
 #endif

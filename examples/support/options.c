@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * The command line of codesign: numbers are read strictly, and every refusal says what was expected. */
+ * Command lines: numbers are read strictly, and every refusal says what was expected. */
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 
@@ -12,18 +12,6 @@
 #include "machine.h"
 #include "say.h"
 #include "shapes.h"
-
-typedef struct preset {
-    int32_t grid[3];
-    int64_t iterations;
-    int64_t steps;
-} preset;
-
-/* Chosen so that the shipped shapes end within two minutes on two cores, --quick within one; meshes of the user's own
- * get the resolution and length of the paper's open-loop experiments. */
-static const preset preset_shipped = {{40, 12, 20}, 15, 60};
-static const preset preset_quick = {{28, 10, 14}, 5, 30};
-static const preset preset_user = {{60, 16, 26}, 40, 100};
 
 /* Wider than the library's own kernel: thin fins that cross cells as the weights change then fade in and out instead of
  * flickering, and the loss has fewer spurious minima on the way from one animal to another. */
@@ -85,6 +73,15 @@ static const char help[] =
     "signals each. A base without actuators gets them from its geometry.\n"
     "\n"
     "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+
+/* Chosen so that the shipped shapes end within two minutes on two cores, --quick within one; meshes of the user's own
+ * get the resolution and length of the paper's open-loop experiments. */
+const options_form options_codesign = {.program = "codesign",
+                                       .help = help,
+                                       .out = "codesign-out",
+                                       .quick = {{28, 10, 14}, 5, 30, 0, SIGMA},
+                                       .shipped = {{40, 12, 20}, 15, 60, 0, SIGMA},
+                                       .user = {{60, 16, 26}, 40, 100, 0, SIGMA}};
 
 static int parse_count(const char* option, const char* text, int64_t least, int64_t most, int64_t* value) {
     char* end = NULL;
@@ -157,7 +154,7 @@ static int add_mesh(options* o, const char* path) {
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
     const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
-        *bases_file, *threshold, *model_error, *schedule;
+        *bases_file, *threshold, *model_error, *schedule, *generations;
     physics_words laws;
 } given;
 
@@ -180,6 +177,7 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--threshold", &g->threshold},
                  {"--model-error", &g->model_error},
                  {"--schedule", &g->schedule},
+                 {"--generations", &g->generations},
                  {"--interpolation", &g->laws.interpolation},
                  {"--material", &g->laws.material},
                  {"--integrator", &g->laws.integrator},
@@ -188,6 +186,21 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
     return NULL;
+}
+
+/* Whether the program knows the option at the beginning of `word`. */
+static int knows(const options_form* form, const char* word) {
+    const size_t length = strcspn(word, "=");
+    /* codesign has all but what is for the experiments alone. */
+    if (form->words == NULL) return strncmp(word, "--generations", 13) != 0;
+    for (size_t i = 0; form->words[i] != NULL; ++i)
+        if (strlen(form->words[i]) == length && strncmp(form->words[i], word, length) == 0) return 1;
+    return 0;
+}
+
+static int unknown(const options* o, const char* word) {
+    say("unknown option %s; see %s --help", word, o->form->program);
+    return USAGE;
 }
 
 static int parse_words(options* o, given* g, int argc, char** argv, int* action) {
@@ -203,7 +216,9 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
             only_meshes = 1;
         } else if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
             *action = OPTIONS_HELP;
-            return fputs(help, stdout) < 0 || fflush(stdout) != 0 ? FAILED : DONE;
+            return fputs(o->form->help, stdout) < 0 || fflush(stdout) != 0 ? FAILED : DONE;
+        } else if (!knows(o->form, word)) {
+            return unknown(o, word);
         } else if (strcmp(word, "--fixed-control") == 0) {
             o->fixed_control = 1;
         } else if (strcmp(word, "--quick") == 0) {
@@ -216,17 +231,16 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
             g->laws.planar = 1;
         } else if ((slot = value_slot(g, o, word, equals != NULL ? (size_t)(equals - word) : strlen(word))) != NULL) {
             if (equals == NULL && i + 1 == argc) {
-                say("%s expects a value; see codesign --help", word);
+                say("%s expects a value; see %s --help", word, o->form->program);
                 return USAGE;
             }
             *slot = equals != NULL ? equals + 1 : argv[++i];
             if (**slot == '\0') {
-                say("%s expects a value; see codesign --help", word);
+                say("%s expects a value; see %s --help", word, o->form->program);
                 return USAGE;
             }
         } else {
-            say("unknown option %s; see codesign --help", word);
-            return USAGE;
+            return unknown(o, word);
         }
         if (outcome != DONE) return outcome;
     }
@@ -316,16 +330,24 @@ static int read_list(options* o, const given* g) {
 }
 
 static int resolve_meshes(options* o, const given* g) {
-    int32_t n_weights = 0;
+    const char* const* shapes = o->form->shapes;
+    int32_t n_weights = 0, n_shapes = shapes_count();
     int outcome = DONE;
+    if (shapes != NULL)
+        for (n_shapes = 0; shapes[n_shapes] != NULL;) ++n_shapes;
     if (o->n_meshes == 0) {
         o->shipped = 1;
-        for (int32_t i = 0; i < shapes_count() && outcome == DONE; ++i) {
-            char* path = shapes_path(i);
+        for (int32_t i = 0; i < n_shapes && outcome == DONE; ++i) {
+            char* path = shapes != NULL ? shapes_named(shapes[i]) : shapes_path(i);
             outcome = path != NULL ? add_mesh(o, path) : FAILED;
             free(path);
         }
         if (outcome != DONE) return outcome;
+    }
+    if (shapes != NULL && o->n_meshes != n_shapes) {
+        say("%s wants %d meshes, not %d; see %s --help", o->form->program, (int)n_shapes, (int)o->n_meshes,
+            o->form->program);
+        return USAGE;
     }
     if (g->weights == NULL) {
         for (int32_t i = 0; i < o->n_meshes; ++i) o->weights[i] = 1.0 / (double)o->n_meshes;
@@ -340,27 +362,32 @@ static int resolve_meshes(options* o, const given* g) {
     return outcome;
 }
 
-int options_parse(options* o, int argc, char** argv, int* action) {
+int options_parse(options* o, const options_form* form, int argc, char** argv, int* action) {
     given g;
-    const preset* p;
+    const options_preset* p;
     int outcome;
     memset(o, 0, sizeof *o);
     memset(&g, 0, sizeof g);
-    o->out = "codesign-out";
+    o->form = form;
+    o->out = form->out;
+    o->fixed_control = form->fixed_control;
     *action = OPTIONS_RUN;
     outcome = parse_words(o, &g, argc, argv, action);
     if (outcome != DONE || *action == OPTIONS_HELP) return outcome;
     outcome = read_list(o, &g);
     if (outcome != DONE) return outcome;
-    p = o->quick ? &preset_quick : o->n_meshes == 0 ? &preset_shipped : &preset_user;
+    p = o->quick ? &form->quick : o->n_meshes == 0 ? &form->shipped : &form->user;
     memcpy(o->grid, p->grid, sizeof o->grid);
     o->iterations = p->iterations;
     o->steps = p->steps;
+    o->generations = p->generations;
     if (g.grid != NULL) outcome = parse_grid(g.grid, o->grid);
     if (outcome == DONE && g.iterations != NULL)
         outcome = parse_count("--iterations", g.iterations, 1, 1000000, &o->iterations);
     if (outcome == DONE && g.steps != NULL) outcome = parse_count("--steps", g.steps, 1, 1000000, &o->steps);
-    o->sigma = SIGMA;
+    if (outcome == DONE && g.generations != NULL)
+        outcome = parse_count("--generations", g.generations, 1, 1000000, &o->generations);
+    o->sigma = p->sigma;
     if (outcome == DONE && g.sigma != NULL) outcome = parse_sigma(g.sigma, &o->sigma);
     if (outcome == DONE) outcome = resolve_cells(o, &g);
     if (outcome == DONE) outcome = resolve_task(o, &g);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * The command line of codesign. */
+ * The command lines of codesign and of the experiments. */
 #ifndef DQA_EXAMPLES_OPTIONS_H
 #define DQA_EXAMPLES_OPTIONS_H
 
@@ -13,15 +13,16 @@
 #define OPTIONS_MAX_BASES 64
 
 typedef struct options {
-    int32_t grid[3];    /* cells along x, y, z */
-    int64_t iterations; /* of the optimiser, >= 1 */
-    int64_t steps;      /* of a rollout, >= 1 */
-    int32_t threads;    /* >= 1 */
-    double tolerance;   /* of a time step; 0: the library's */
-    schedule plan;      /* of coarser grids and looser tolerances */
-    double sigma;       /* width of the interpolation's kernel, in cells */
-    int fixed_control;  /* only the weights are optimised */
-    int mlp;            /* the controller is a perceptron, not a sine */
+    int32_t grid[3];     /* cells along x, y, z */
+    int64_t iterations;  /* of the optimiser, >= 1 */
+    int64_t steps;       /* of a rollout, >= 1 */
+    int64_t generations; /* of CMA-ES, where the program runs it */
+    int32_t threads;     /* >= 1 */
+    double tolerance;    /* of a time step; 0: the library's */
+    schedule plan;       /* of coarser grids and looser tolerances */
+    double sigma;        /* width of the interpolation's kernel, in cells */
+    int fixed_control;   /* only the weights are optimised */
+    int mlp;             /* the controller is a perceptron, not a sine */
     objective loss;
     physics laws;
     double threshold;                  /* of the simulated cells; < 0: the library's, or as model_error asks */
@@ -29,6 +30,7 @@ typedef struct options {
     int64_t checkpoint_mib;            /* memory budget of the tape; 0: none */
     int quick;                         /* the coarse settings were asked for */
     int resume;                        /* continue from the checkpoint in `out` */
+    const struct options_form* form;   /* what the command line is like */
     int shipped;                       /* the meshes are those that come with the program */
     const char* out;                   /* folder of the results */
     int32_t n_meshes;                  /* >= 1 */
@@ -38,11 +40,32 @@ typedef struct options {
     bases list;                        /* its actuators; owned */
 } options;
 
+typedef struct options_preset {
+    int32_t grid[3];
+    int64_t iterations, steps, generations;
+    double sigma;
+} options_preset;
+
+/* What the command line of a program is like. */
+typedef struct options_form {
+    const char* program;
+    const char* help;
+    const char* out;           /* folder of the results unless named */
+    const char* const* words;  /* the options it knows, NULL at the end; NULL: all */
+    const char* const* shapes; /* shipped meshes it takes unless others are named, NULL at the end, and it wants as
+                                  many; NULL: all shipped ones, or any number of others */
+    options_preset quick, shipped, user; /* with --quick, without meshes, with meshes of the user's own */
+    int fixed_control;                   /* the controller stays as it is */
+} options_form;
+
+extern const options_form options_codesign;
+
 #define OPTIONS_RUN 0  /* go on */
 #define OPTIONS_HELP 1 /* --help was answered: nothing more to do */
 
-/* Reads the command line. Returns DONE, or USAGE or FAILED (said); *action is OPTIONS_*. */
-int options_parse(options* o, int argc, char** argv, int* action);
+/* Reads the command line of the program of the form, which outlives the options. Returns DONE, or USAGE or FAILED
+ * (said); *action is OPTIONS_*. */
+int options_parse(options* o, const options_form* form, int argc, char** argv, int* action);
 void options_free(options* o);
 /* The command line in shell quoting, its program without a folder; owned. NULL (said) when memory ran out. */
 char* options_command(int argc, char** argv);

@@ -4,11 +4,13 @@
 #define DQA_EXAMPLES_PICTURE_H
 
 #include "motion.h"
+#include "plot.h"
 #include "run.h"
 
 #define PICTURE_FILE "codesign.png"
+#define PICTURE_FIRST_COLOUR 0x5b6770u /* slate */
+#define PICTURE_BEST_COLOUR 0x0b5c8au  /* deep blue */
 #define PICTURE_SCRIPT "codesign.gp"
-#define PICTURE_FOLDER "picture" /* the polygons that the script draws */
 
 /* Writes the script and its data into the folder, beside history.csv, and runs gnuplot there. *drawn is 0 when gnuplot
  * is missing, which is said but is no failure. DONE, FAILED (said) or INTERRUPTED. */

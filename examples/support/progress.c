@@ -83,10 +83,13 @@ static void duration(double seconds, char* text, size_t size) {
         (void)snprintf(text, size, "%ld:%02ld", whole / 60, whole % 60);
 }
 
-/* "  stage 1/2", or nothing without a schedule. */
+/* "  stage 1/2" or "  name", or nothing without a schedule. */
 static void part_text(const progress* p, char* text, size_t size) {
     text[0] = '\0';
-    if (p->parts > 1) (void)snprintf(text, size, "  stage %d/%d", (int)p->part, (int)p->parts);
+    if (p->part_name != NULL)
+        (void)snprintf(text, size, "  %s", p->part_name);
+    else if (p->parts > 1)
+        (void)snprintf(text, size, "  stage %d/%d", (int)p->part, (int)p->parts);
 }
 
 static void draw(progress* p) {
@@ -100,7 +103,8 @@ static void draw(progress* p) {
     bar[width] = '\0';
     duration(left, remaining, sizeof remaining);
     losses[0] = '\0';
-    if (p->iteration > 0) (void)snprintf(losses, sizeof losses, "  loss %.5f  best %.5f", p->loss, p->best);
+    if (p->iteration > 0 && !isnan(p->loss))
+        (void)snprintf(losses, sizeof losses, "  loss %.5f  best %.5f", p->loss, p->best);
     part_text(p, part, sizeof part);
     (void)snprintf(line, sizeof line, "[%s] %lld/%lld%s%s  %s left  %s", bar, (long long)p->iteration,
                    (long long)p->iterations, part, losses, remaining, activity[p->stage]);
@@ -137,6 +141,21 @@ void progress_iteration(progress* p, int64_t finished, double loss, double best,
         fprintf(stderr, "iteration %lld/%lld%s  loss %.6f  best %.6f  %.2f s  %s left\n", (long long)finished,
                 (long long)p->iterations, part, loss, best, seconds, remaining);
     }
+}
+
+void progress_shape(progress* p, int64_t finished, double seconds) {
+    char remaining[32];
+    p->iteration = finished;
+    p->loss = (double)NAN;
+    p->seconds[PROGRESS_SETUP] = seconds;
+    p->stage = PROGRESS_SETUP;
+    p->fraction = 0.0;
+    duration(seconds_left(p), remaining, sizeof remaining);
+    if (p->terminal)
+        draw(p);
+    else
+        fprintf(stderr, "shape %lld/%lld  %.2f s  %s left\n", (long long)finished, (long long)p->iterations, seconds,
+                remaining);
 }
 
 void progress_end(progress* p) {

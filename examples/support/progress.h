@@ -15,13 +15,14 @@
 #define PROGRESS_STAGES 6
 
 typedef struct progress {
-    int terminal;        /* stderr is one */
-    int64_t iterations;  /* planned */
-    int64_t iteration;   /* finished */
-    int32_t part, parts; /* of the schedule: the running one (from 1) of how many */
-    int64_t part_end;    /* iterations finished when the running part ends */
-    double cost;         /* of a later iteration, relative to one of this part */
-    int64_t extra;       /* rollouts still to come after the last iteration, for the frames */
+    int terminal;          /* stderr is one */
+    int64_t iterations;    /* planned */
+    int64_t iteration;     /* finished */
+    int32_t part, parts;   /* of the schedule: the running one (from 1) of how many */
+    const char* part_name; /* instead of its number; NULL: none */
+    int64_t part_end;      /* iterations finished when the running part ends */
+    double cost;           /* of a later iteration, relative to one of this part */
+    int64_t extra;         /* rollouts still to come after the last iteration, for the frames */
     int stage;
     double loss, best; /* m; only meaningful when iteration > 0 */
     double started;    /* s: of the whole run */
@@ -44,6 +45,8 @@ void progress_stage(progress* p, int stage);
 void progress_stage_done(progress* p);
 /* An iteration has ended, `finished` of them now. */
 void progress_iteration(progress* p, int64_t finished, double loss, double best, double seconds);
+/* The same of a shape that only was interpolated. */
+void progress_shape(progress* p, int64_t finished, double seconds);
 /* Takes the bar off the terminal. */
 void progress_end(progress* p);
 /* A dqa_progress: `user_data` is the progress; cancels after a signal. */

@@ -25,7 +25,7 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     r->n_weights = n_weights;
     r->n_control = n_control;
     r->n = n_weights + n_control;
-    r->fixed_control = o->fixed_control;
+    r->moves = o->fixed_control ? RUN_WEIGHTS : RUN_BOTH;
     r->mlp = o->mlp;
     r->loss = &o->loss;
     r->omega0 = omega0;
@@ -34,16 +34,19 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     r->first_moment = new_numbers(r->n);
     r->second_moment = new_numbers(r->n);
     r->rates = new_numbers(r->n);
+    r->units = new_numbers(r->n);
     r->best_x = new_numbers(r->n);
     r->gradient = new_numbers(r->n);
-    if (r->x == NULL || r->first_moment == NULL || r->second_moment == NULL || r->rates == NULL || r->best_x == NULL ||
-        r->gradient == NULL) {
+    if (r->units == NULL || r->x == NULL || r->first_moment == NULL || r->second_moment == NULL || r->rates == NULL ||
+        r->best_x == NULL || r->gradient == NULL) {
         run_free(r);
         return say_no_memory();
     }
     memcpy(r->x, o->weights, (size_t)n_weights * sizeof(double));
     memcpy(r->x + n_weights, theta, (size_t)n_control * sizeof(double));
     for (int64_t i = 0; i < n_weights; ++i) r->rates[i] = RATE;
+    for (int64_t i = 0; i < r->n; ++i)
+        r->units[i] = !r->mlp && i >= n_weights && (i - n_weights) % 3 == 1 ? omega0 : 1.0;
     for (int64_t i = 0; i < n_control; ++i)
         r->rates[n_weights + i] = r->mlp ? RATE_MLP : i % 3 == 1 ? RATE * omega0 : RATE;
     return DONE;
@@ -54,6 +57,7 @@ void run_free(run* r) {
     free(r->first_moment);
     free(r->second_moment);
     free(r->rates);
+    free(r->units);
     free(r->best_x);
     free(r->gradient);
     free(r->rows);
@@ -80,26 +84,24 @@ static double clamp(double value, double least, double most) {
     return value < least ? least : value > most ? most : value;
 }
 
-int run_advance(run* r, const history_row* row, const double* gradient) {
-    const int64_t moving = r->fixed_control ? r->n_weights : r->n;
+int run_record(run* r, const history_row* row) {
     int outcome = run_reserve(r);
     if (outcome != DONE) return outcome;
     r->rows[r->iteration] = *row;
     memcpy(r->row_x + r->iteration * r->n, r->x, (size_t)r->n * sizeof(double));
-    if (gradient != r->gradient) memcpy(r->gradient, gradient, (size_t)r->n * sizeof(double));
     ++r->iteration;
     if (row->loss < r->best_loss) {
         r->best_loss = row->loss;
         r->best_iteration = r->iteration;
         memcpy(r->best_x, r->x, (size_t)r->n * sizeof(double));
     }
-    outcome = say_status(dqa_adam_step(r->x, gradient, r->rates, r->first_moment, r->second_moment, moving,
-                                       r->iteration - r->stage_first),
-                         "take an Adam step");
-    if (outcome == DONE)
-        outcome = say_status(dqa_project_simplex(r->x, r->n_weights), "project the weights onto the simplex");
+    return DONE;
+}
+
+int run_project(const run* r, double* x) {
+    int outcome = say_status(dqa_project_simplex(x, r->n_weights), "project the weights onto the simplex");
     for (int64_t i = 0; i < r->n_control && !r->mlp; i += 3) {
-        double* theta = r->x + r->n_weights + i;
+        double* theta = x + r->n_weights + i;
         theta[0] = clamp(theta[0], 0.0, 1.0);
         /* Beyond half the sampling rate a sine is another, slower sine; zero would stop the swimmer for good. */
         theta[1] = clamp(theta[1], 0.05 * r->omega0, 6.0 * r->omega0);
@@ -107,8 +109,29 @@ int run_advance(run* r, const history_row* row, const double* gradient) {
     return outcome;
 }
 
+/* One Adam step of the unknowns that this iteration moves. */
+static int move(run* r, const double* gradient) {
+    const int64_t finished = r->iteration - r->stage_first;
+    const int in_turn = r->moves == RUN_IN_TURN;
+    const int control = r->moves == RUN_CONTROL || (in_turn && finished % 2 == 0);
+    const int64_t first = control ? r->n_weights : 0;
+    const int64_t end = r->moves == RUN_WEIGHTS || (in_turn && !control) ? r->n_weights : r->n;
+    return say_status(dqa_adam_step(r->x + first, gradient + first, r->rates + first, r->first_moment + first,
+                                    r->second_moment + first, end - first, in_turn ? (finished + 1) / 2 : finished),
+                      "take an Adam step");
+}
+
+int run_advance(run* r, const history_row* row, const double* gradient) {
+    int outcome = run_record(r, row);
+    if (outcome != DONE) return outcome;
+    if (gradient != r->gradient) memcpy(r->gradient, gradient, (size_t)r->n * sizeof(double));
+    outcome = move(r, gradient);
+    return outcome == DONE ? run_project(r, r->x) : outcome;
+}
+
 int run_repeats(const run* r, history_row* row) {
     if (r->iteration == r->stage_first) return 0;
+    /* The design stays while the other group has its turn, or where a projection holds it. */
     if (memcmp(r->x, r->row_x + (r->iteration - 1) * r->n, (size_t)r->n * sizeof(double)) != 0) return 0;
     *row = r->rows[r->iteration - 1];
     row->seconds = 0.0;

@@ -15,10 +15,17 @@ typedef struct history_row {
     double terms[OBJECTIVE_KINDS];             /* of the loss, without their weights */
     double gradient_weights, gradient_control; /* 2-norms */
     double seconds;
-    double cpu_seconds; /* of all threads since the start of the run, interrupted sessions included */
-    int32_t stage;      /* of the schedule, from 0: losses of different stages are not comparable */
+    double cpu_seconds;  /* of all threads since the start of the run, interrupted sessions included */
+    int32_t stage;       /* of the schedule, from 0: losses of different stages are not comparable */
+    int64_t simulations; /* rollouts since the start of the run */
     int64_t newton_iterations, linear_iterations, adjoint_iterations;
 } history_row;
+
+/* What an iteration moves. */
+#define RUN_BOTH 0    /* weights and controller */
+#define RUN_WEIGHTS 1 /* the controller stays */
+#define RUN_CONTROL 2 /* the weights stay */
+#define RUN_IN_TURN 3 /* weights in odd iterations, the controller in even ones, each with an Adam of its own */
 
 #define PROOF_OPEN 0   /* not made yet, or there is nothing to prove */
 #define PROOF_MADE 1   /* the report tells */
@@ -32,16 +39,17 @@ typedef struct gradient_proof {
 
 typedef struct run {
     int64_t n_weights, n_control, n; /* the unknowns x = (weights, controller parameters), n = both */
-    int fixed_control;
-    int mlp;               /* the controller's parameters are those of a network, not (a, omega, phi) */
-    const objective* loss; /* whose terms the rows hold */
-    double omega0;         /* rad/s: natural frequency of the controller, the scale of its omega */
-    double* x;             /* [n]: the design of the next iteration */
-    double* first_moment;  /* [n] of Adam */
-    double* second_moment; /* [n] */
-    double* rates;         /* [n] */
-    double* gradient;      /* [n] of the last evaluation */
-    double* best_x;        /* [n]: the design of lowest loss so far in this stage */
+    int moves;                       /* RUN_* */
+    int mlp;                         /* the controller's parameters are those of a network, not (a, omega, phi) */
+    const objective* loss;           /* whose terms the rows hold */
+    double omega0;                   /* rad/s: natural frequency of the controller, the scale of its omega */
+    double* x;                       /* [n]: the design of the next iteration */
+    double* first_moment;            /* [n] of Adam */
+    double* second_moment;           /* [n] */
+    double* rates;                   /* [n] */
+    double* units;                   /* [n]: what counts as one step of an unknown */
+    double* gradient;                /* [n] of the last evaluation */
+    double* best_x;                  /* [n]: the design of lowest loss so far in this stage */
     double best_loss;
     int64_t best_iteration; /* 0: none yet */
     int64_t iteration;      /* finished iterations */
@@ -62,8 +70,11 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
 void run_free(run* r);
 /* Room for one more row. DONE or FAILED. */
 int run_reserve(run* r);
-/* Records an evaluation of r->x, remembers the best, and moves x by one Adam step along `gradient` [n], back onto the
- * simplex and into the controller's bounds. */
+/* Records an evaluation of r->x and remembers the best. DONE or FAILED. */
+int run_record(run* r, const history_row* row);
+/* The nearest x [n] with weights on the simplex and a controller within its bounds. DONE or FAILED. */
+int run_project(const run* r, double* x);
+/* run_record, then moves r->x by one Adam step along `gradient` [n], and projects. */
 int run_advance(run* r, const history_row* row, const double* gradient);
 /* 1 when r->x is, to the bit, the design evaluated last, as at a vertex of the simplex: *row and r->gradient then are
  * its evaluation, which took no work. */

@@ -156,19 +156,25 @@ int scene_set(scene* s, const double* x, progress* p) {
     return outcome;
 }
 
+/* *status: of the rollout, when DONE. */
+static int roll(scene* s, const double* x, dqa_status* status, progress* p, dqa_progress watch, void* user_data) {
+    int outcome = scene_set(s, x, p);
+    if (outcome == DONE) outcome = say_status(dqa_tape_clear(s->tape), "clear the tape");
+    if (outcome != DONE) return outcome;
+    progress_stage(p, PROGRESS_FORWARD);
+    *status = dqa_simulator_rollout(s->simulator, s->controller, s->steps, s->tape, watch, user_data);
+    if (*status == DQA_SUCCESS) progress_stage_done(p);
+    return DONE;
+}
+
 int scene_swim(scene* s, const double* x, progress* p) {
     return scene_swim_watched(s, x, p, progress_callback, p);
 }
 
 int scene_swim_watched(scene* s, const double* x, progress* p, dqa_progress watch, void* user_data) {
-    int outcome = scene_set(s, x, p);
-    if (outcome == DONE) outcome = say_status(dqa_tape_clear(s->tape), "clear the tape");
-    if (outcome != DONE) return outcome;
-    progress_stage(p, PROGRESS_FORWARD);
-    outcome =
-        say_status(dqa_simulator_rollout(s->simulator, s->controller, s->steps, s->tape, watch, user_data), "swim");
-    if (outcome == DONE) progress_stage_done(p);
-    return outcome;
+    dqa_status status = DQA_SUCCESS;
+    const int outcome = roll(s, x, &status, p, watch, user_data);
+    return outcome == DONE ? say_status(status, "swim") : outcome;
 }
 
 int scene_signals(const scene* s, uint64_t* number) {
@@ -217,15 +223,40 @@ static double norm(const double* x, int64_t n) {
     return sqrt(sum);
 }
 
+static int loss_of(scene* s, history_row* row) {
+    return say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
+}
+
+int scene_try(scene* s, const double* x, history_row* row, progress* p) {
+    const double started = progress_clock();
+    dqa_status status = DQA_SUCCESS;
+    dqa_tape_statistics statistics;
+    int outcome;
+    memset(row, 0, sizeof *row);
+    outcome = roll(s, x, &status, p, progress_callback, p);
+    if (outcome != DONE) return outcome;
+    if (status == DQA_DIVERGED || status == DQA_NOT_CONVERGED) {
+        say("a candidate is left out, its simulation fails: %s", dqa_last_error());
+        row->loss = HUGE_VAL;
+    } else {
+        outcome = say_status(status, "swim");
+        if (outcome == DONE) outcome = loss_of(s, row);
+        if (outcome == DONE) outcome = statistics_of(s, &statistics);
+        if (outcome != DONE) return outcome;
+        row->newton_iterations = statistics.newton_iterations;
+        row->linear_iterations = statistics.linear_iterations;
+    }
+    row->seconds = progress_clock() - started;
+    return DONE;
+}
+
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p) {
     const double started = progress_clock();
     dqa_tape_statistics before, after; /* the adjoint's count adds up over all sweeps of a tape */
     int outcome;
     memset(row, 0, sizeof *row);
     outcome = scene_swim(s, x, p);
-    if (outcome == DONE)
-        outcome =
-            say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
+    if (outcome == DONE) outcome = loss_of(s, row);
     if (outcome == DONE) outcome = statistics_of(s, &before);
     if (outcome == DONE) outcome = sweep_back(s, gradient, p);
     if (outcome == DONE) outcome = statistics_of(s, &after);

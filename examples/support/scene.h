@@ -41,7 +41,10 @@ int scene_swim_watched(scene* s, const double* x, progress* p, dqa_progress watc
 /* Tells sets of signals apart: two scenes of the same number have the same muscles to drive, in the same order, so that
  * the parameters of a controller mean the same in both. */
 int scene_signals(const scene* s, uint64_t* number);
-/* Loss of x and its gradient [n_weights + n_control]; fills all of *row but its iteration and stage. */
+/* Loss of x alone: fills *row but its gradients, iteration, stage and simulations. A design whose simulation fails is
+ * said and has an infinite loss. */
+int scene_try(scene* s, const double* x, history_row* row, progress* p);
+/* Loss of x and its gradient [n_weights + n_control]; fills all of *row but its iteration, stage and simulations. */
 int scene_evaluate(scene* s, const double* x, double* gradient, history_row* row, progress* p);
 /* Proves the gradient of the current design (DQA_WRT_WEIGHTS or _CONTROL, in words `of`) by the library's finite
  * differences, which want far tighter solves than an optimisation; if those fail it is said and noted in the proof, but

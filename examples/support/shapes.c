@@ -47,8 +47,11 @@ static int find(const char* name, char* path, size_t size) {
 }
 
 char* shapes_path(int32_t index) {
+    return shapes_named(names[index]);
+}
+
+char* shapes_named(const char* name) {
     const char* chosen = getenv("DQA_SHAPES_DIR");
-    const char* name = names[index];
     char path[4096];
     char* copy;
     if (chosen != NULL && *chosen != '\0') {

@@ -71,13 +71,13 @@ void summary_settings(json* j, const options* o, const run* r, const scene* s) {
     json_close(j, ']');
 }
 
-static void write_numbers(json* j, const char* key, const double* x, int64_t n) {
+void summary_numbers(json* j, const char* key, const double* x, int64_t n) {
     json_open(j, key, '[');
     for (int64_t i = 0; i < n; ++i) json_number(j, NULL, x[i]);
     json_close(j, ']');
 }
 
-static void write_design(json* j, const char* key, const run* r, int64_t iteration) {
+void summary_design(json* j, const char* key, const run* r, int64_t iteration) {
     const double* x = r->row_x + (iteration - 1) * r->n;
     json_open(j, key, '{');
     json_integer(j, "iteration", iteration);
@@ -85,8 +85,8 @@ static void write_design(json* j, const char* key, const run* r, int64_t iterati
     json_number(j, "loss", r->rows[iteration - 1].loss);
     for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
         json_number(j, objective_name(r->loss->kinds[k]), r->rows[iteration - 1].terms[k]);
-    write_numbers(j, "weights", x, r->n_weights);
-    write_numbers(j, "control", x + r->n_weights, r->n_control);
+    summary_numbers(j, "weights", x, r->n_weights);
+    summary_numbers(j, "control", x + r->n_weights, r->n_control);
     json_close(j, '}');
 }
 
@@ -120,6 +120,13 @@ void summary_proofs(json* j, const run* r) {
     write_proof(j, "control", &r->proof_control);
 }
 
+void summary_program(json* j, const char* program) {
+    json_string(j, "program", program);
+    json_string(j, "library_version", dqa_version());
+    json_integer(j, "abi_version", dqa_abi_version());
+    json_string(j, "library_features", dqa_features());
+}
+
 void summary_machine(json* j, const options* o) {
     char processor[256];
     machine_processor(processor, sizeof processor);
@@ -128,7 +135,7 @@ void summary_machine(json* j, const options* o) {
     json_integer(j, "threads", o->threads);
 }
 
-static void write_cells(json* j, const options* o, const dqa_simulator_info* info) {
+void summary_cells(json* j, const options* o, const dqa_simulator_info* info) {
     json_open(j, "cells", '{');
     json_integer(j, "box", (int64_t)o->grid[0] * o->grid[1] * o->grid[2]);
     json_integer(j, "active", info->n_active_cells);
@@ -149,10 +156,7 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     if (outcome == DONE) outcome = output_open(&file, folder, SUMMARY_FILE);
     if (outcome != DONE) return outcome;
     json_begin(&j, file.stream);
-    json_string(&j, "program", "codesign");
-    json_string(&j, "library_version", dqa_version());
-    json_integer(&j, "abi_version", dqa_abi_version());
-    json_string(&j, "library_features", dqa_features());
+    summary_program(&j, "codesign");
     json_string(&j, "status", converged ? "converged" : "all iterations done");
     json_integer(&j, "iterations", r->iteration);
     json_number(&j, "seconds", r->seconds);
@@ -163,15 +167,15 @@ int summary_write(const run* r, const options* o, const scene* s, int converged,
     for (int64_t i = 0; i < r->n_weights; ++i) json_string(&j, NULL, dqa_shape_space_base_name(s->space, (int32_t)i));
     json_close(&j, ']');
     json_string(&j, "weights_of", "best design");
-    write_numbers(&j, "weights", r->best_x, r->n_weights);
-    write_numbers(&j, "control", r->best_x + r->n_weights, r->n_control);
-    write_design(&j, "first", r, 1);
-    write_design(&j, "best", r, r->best_iteration);
-    write_design(&j, "last", r, r->iteration);
+    summary_numbers(&j, "weights", r->best_x, r->n_weights);
+    summary_numbers(&j, "control", r->best_x + r->n_weights, r->n_control);
+    summary_design(&j, "first", r, 1);
+    summary_design(&j, "best", r, r->best_iteration);
+    summary_design(&j, "last", r, r->iteration);
     json_open(&j, "gradient_check", '{');
     summary_proofs(&j, r);
     json_close(&j, '}');
-    write_cells(&j, o, &info);
+    summary_cells(&j, o, &info);
     json_open(&j, "machine", '{');
     summary_machine(&j, o);
     json_close(&j, '}');

@@ -19,4 +19,11 @@ void summary_settings(json* j, const options* o, const run* r, const scene* s);
 void summary_proofs(json* j, const run* r);
 void summary_machine(json* j, const options* o);
 
+/* The same of the program and the library; as members of their own, the cells of the current design, numbers, and a
+ * design as evaluated in an iteration (from 1). */
+void summary_program(json* j, const char* program);
+void summary_cells(json* j, const options* o, const dqa_simulator_info* info);
+void summary_numbers(json* j, const char* key, const double* x, int64_t n);
+void summary_design(json* j, const char* key, const run* r, int64_t iteration);
+
 #endif

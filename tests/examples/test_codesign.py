@@ -71,10 +71,10 @@ class Quick(Scratch):
         bases = results.read_summary(self.out)["bases"]
         self.assertEqual(names, ["iteration", "loss", *("weight_" + base for base in bases), "a", "omega", "phi",
                                  "grad_norm_weights", "grad_norm_control", "seconds", "cpu_seconds",
-                                 "newton_iterations", "linear_iterations", "adjoint_iterations", "stage"])
+                                 "newton_iterations", "linear_iterations", "adjoint_iterations", "stage", "simulations"])
         spent = [float(row[names.index("cpu_seconds")]) for row in rows]
         self.assertEqual(spent, sorted(spent))
-        self.assertEqual({row[-1] for row in rows}, {"1"})
+        self.assertEqual({row[names.index("stage")] for row in rows}, {"1"})
         self.assertEqual([int(row[0]) for row in rows], list(range(1, len(rows) + 1)))
         for row in rows:
             weights = [float(text) for text in row[2:2 + len(bases)]]

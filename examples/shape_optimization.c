@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * shape_optimization — section 8.1 of Ma et al., "DiffAqua", 2021: a shark swims by beating its tail sideways and an
+ * orca does not, so under a fixed sine a swimmer between the two has to become the shark, from the orca itself and from
+ * the middle. `shape_optimization --help` lists the options.
+ */
+#include <math.h>
+
+#include "support/experiment.h"
+#include "support/plot.h"
+
+enum { FROM_ORCA, FROM_MIDDLE };
+
+/* Shares of shark and orca. */
+static const double orca[] = {0.0, 1.0}, middle[] = {0.5, 0.5};
+
+static const trial_plan trials[] = {
+    {.name = "from_orca", .label = "from the orca", .moves = RUN_WEIGHTS, .weights = orca},
+    {.name = "from_middle", .label = "from the middle", .moves = RUN_WEIGHTS, .weights = middle},
+};
+
+static const char help[] =
+    "usage: shape_optimization [options] [shark orca]\n"
+    "\n"
+    "Finds the shape between the two meshes that travels farthest under a sine of amplitude 1 and a period of 12 "
+    "steps,\n"
+    "from the orca and from the middle.\n"
+    "\n"
+    "  --grid NXxNYxNZ   cells of the box (60x16x26; quick 30x8x14)\n"
+    "  --iterations N    of Adam, from each start; it ends earlier where it has converged (40)\n"
+    "  --steps N         time steps of 1/30 s (100; quick 24)\n"
+    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; quick 1)\n"
+    "  --out DIR         folder of the results (./shape_optimization-out)\n"
+    "  --quick           a coarse version, within a minute\n"
+    "  --resume          continue an interrupted run in DIR; give the other options again\n"
+    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
+    "  --help            this text\n"
+    "\n"
+    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+
+static const char* const words[] = {"--grid",  "--iterations", "--steps",   "--sigma", "--out",
+                                    "--quick", "--resume",     "--threads", NULL};
+static const char* const shapes[] = {"great_white.stl", "orca.stl", NULL};
+
+/* Sharper kernels make fins that flicker between cells, and the way from one animal to the other has a local minimum.
+ */
+static const options_form form = {.program = "shape_optimization",
+                                  .help = help,
+                                  .out = "shape_optimization-out",
+                                  .words = words,
+                                  .shapes = shapes,
+                                  .quick = {{30, 8, 14}, 40, 24, 0, 1.0},
+                                  .shipped = {{60, 16, 26}, 40, 100, 0, 0.7},
+                                  .user = {{60, 16, 26}, 40, 100, 0, 0.7},
+                                  .fixed_control = 1};
+
+static void claim(experiment* e) {
+    const run *from_orca = &e->trials[FROM_ORCA].r, *from_middle = &e->trials[FROM_MIDDLE].r;
+    const double loss_of_orca = from_orca->rows[0].loss;
+    experiment_claim_add(e, "shark_from_orca", "from the orca it becomes the shark", from_orca->best_x[0], 0.9, 1);
+    experiment_claim_add(e, "shark_from_middle", "from the middle it becomes the shark", from_middle->best_x[0], 0.9,
+                         1);
+    experiment_claim_add(e, "lower_from_orca", "from the orca the loss ends below that of the orca",
+                         from_orca->best_loss, loss_of_orca, 0);
+    experiment_claim_add(e, "lower_from_middle", "from the middle the loss ends below that of the orca",
+                         from_middle->best_loss, loss_of_orca, 0);
+}
+
+static void curves(const experiment* e, FILE* f) {
+    fputs("set xlabel 'iteration' offset 0,0.5\n", f);
+    plot_panel(f, "Loss: minus the distance travelled (m)", 0.075, 0.48);
+    experiment_curves(e, f, "1", 2, 0);
+    fputs("set yrange [-0.02:1.02]\n", f);
+    plot_panel(f, "Share of the shark", 0.565, 0.98);
+    experiment_curves(e, f, "1", experiment_column_weight(e, 0), 0);
+    fputs("set autoscale y\n", f);
+}
+
+int main(int argc, char** argv) {
+    const experiment_plan plan = {.form = &form,
+                                  .trials = trials,
+                                  .n_trials = (int)(sizeof trials / sizeof trials[0]),
+                                  .theta = {1.0, SCENE_OMEGA0, 0.0},
+                                  .picture = "shape_optimization.png",
+                                  .script = "shape_optimization.gp",
+                                  .first = FROM_ORCA,
+                                  .best = FROM_ORCA,
+                                  .first_label = "Orca",
+                                  .best_label = "Optimised from the orca",
+                                  .claim = claim,
+                                  .curves = curves};
+    return experiment_main(&plan, argc, argv);
+}

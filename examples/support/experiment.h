@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT
+ * An experiment of the paper: several optimisations in one scene, side by side, and what they have to show. A program
+ * states its settings, its claims and the curves of its picture; everything else is here. */
+#ifndef DQA_EXAMPLES_EXPERIMENT_H
+#define DQA_EXAMPLES_EXPERIMENT_H
+
+#include <stdio.h>
+
+#include "json.h"
+#include "options.h"
+#include "progress.h"
+#include "scene.h"
+#include "trial.h"
+
+#define EXPERIMENT_MAX_TRIALS 16
+#define EXPERIMENT_MAX_CLAIMS 16
+
+/* Something that the experiment has to show: that value is at least, or at most, the bound. */
+typedef struct experiment_claim {
+    const char* name; /* key in summary.json */
+    const char* says;
+    double value, bound;
+    int at_least; /* 1: value >= bound; 0: value < bound */
+} experiment_claim;
+
+struct experiment_plan;
+
+typedef struct experiment {
+    const struct experiment_plan* plan;
+    options o;
+    scene s;
+    progress p;
+    trial trials[EXPERIMENT_MAX_TRIALS];
+    int n_trials; /* that are open */
+    experiment_claim claims[EXPERIMENT_MAX_CLAIMS];
+    int n_claims;
+} experiment;
+
+typedef struct experiment_plan {
+    const options_form* form;
+    const trial_plan* trials;
+    int n_trials;
+    double theta[3];     /* a, omega (rad/s), phi (rad) at the start */
+    const char* picture; /* its file */
+    const char* script;
+    int first, best; /* trials whose first and best swimmers the picture shows */
+    const char *first_label, *best_label;
+    /* Appends the claims of the finished trials. */
+    void (*claim)(experiment* e);
+    /* Writes the curves of the picture: gnuplot commands after plot_head. */
+    void (*curves)(const experiment* e, FILE* f);
+} experiment_plan;
+
+/* The whole program. Returns its exit code; claims that do not hold are reported, and are no failure. */
+int experiment_main(const experiment_plan* plan, int argc, char** argv);
+
+void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound, int at_least);
+int experiment_holds(const experiment_claim* claim);
+/* Column (from 1) of a number in the tables: that of the weight of base i, and of what stands so many columns after
+ * the unknowns. */
+int experiment_column_weight(const experiment* e, int i);
+int experiment_column_after(const experiment* e, int k);
+#define EXPERIMENT_CPU_SECONDS 3 /* for experiment_column_after */
+#define EXPERIMENT_SIMULATIONS 8
+/* Writes a plot of column y against column x of all trials, of the lowest y so far if `lowest`. */
+void experiment_curves(const experiment* e, FILE* f, const char* x, int y, int lowest);
+
+/* summary.json. DONE or FAILED (said). */
+int experiment_summary(const experiment* e);
+
+#endif
