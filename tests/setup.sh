@@ -19,6 +19,9 @@ gnuplot-nox            # the pictures of codesign
 libjs-three            # draws the swimmers in the reports of the example programs
 chromium               # opens the reports of the example programs
 python3-vtk9           # reads their frames
+python3-venv           # environments of the tests of the Python package
+python3-torch          # diffaqua.torch; the registry's own is many times as large
+libosmesa6             # pictures of diffaqua.viz without a screen
 ccache                 # makes the second build short
 LIST
 )
