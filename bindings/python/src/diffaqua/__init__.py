@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from . import _callbacks, errors
+from . import _callbacks, errors, rollout
 from ._library import lib as _lib
 from ._library import path as library_path
 from ._library import text as _text
@@ -24,6 +24,7 @@ from .controller import CallbackController, Controller, Perceptron, Sinusoid
 from .errors import (AccessError, ArgumentError, CancelledError, DiffaquaError, DivergedError, FileError, InternalError,
                      MeshError, NotConvergedError, OutOfMemoryError, StateError, UnsupportedError)
 from .optimize import adam_step, project_simplex
+from ._sweep import SweepError, sweep
 from .shape_space import CancelToken, ShapeSpace
 from .simulator import Mesh, Muscles, Simulator, Surface
 from .structs import ActuatorOptions
@@ -49,7 +50,7 @@ __all__ = [
     "CancelledError", "Controller", "ControllerKind", "DiffaquaError", "DivergedError", "Faces", "FileError",
     "Integrator", "InternalError", "Interpolation", "LogLevel", "Material", "Mesh", "MeshError", "Method", "Muscles",
     "NotConvergedError", "Objective", "ObjectiveTerm", "OutOfMemoryError", "Peak", "Perceptron", "Precision",
-    "Preconditioner", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "Tape",
+    "Preconditioner", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "SweepError", "Tape",
     "UnsupportedError", "Up", "Water", "Wrt", "adam_step", "check_gradient", "errors", "features", "library_path",
-    "project_simplex", "set_log_handler", "__version__",
+    "project_simplex", "set_log_handler", "sweep", "__version__",
 ]
