@@ -22,6 +22,7 @@ dqa_simulator_options default_options() {
     o.threads = s.threads;
     o.method = DQA_METHOD_NEWTON_PCG;
     o.water = DQA_WATER_IMPLICIT;
+    o.quadrature = static_cast<int32_t>(s.quadrature);
     o.max_newton = s.max_newton, o.max_linear = s.max_linear;
     o.time_step = s.time_step;
     o.young_modulus = s.young_modulus, o.poisson_ratio = s.poisson_ratio, o.density = s.density;
@@ -48,6 +49,9 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
                   "integrator", "DQA_INTEGRATOR_IMPLICIT_EULER or DQA_INTEGRATOR_BDF2");
     require_range(o.material, o.material >= DQA_MATERIAL_COROTATED && o.material <= DQA_MATERIAL_NEO_HOOKEAN,
                   "material", "one of DQA_MATERIAL_*");
+    require_range(o.quadrature, o.quadrature == DQA_QUADRATURE_FULL || o.quadrature == DQA_QUADRATURE_REDUCED,
+                  "quadrature", "DQA_QUADRATURE_FULL or DQA_QUADRATURE_REDUCED");
+    require_range(o.padding, o.padding == 0, "padding", "0");
     require_range(o.planar, o.planar == 0 || o.planar == 1, "planar", "0 or 1");
     require_range(o.preconditioner,
                   o.preconditioner == DQA_PRECONDITIONER_MULTILEVEL || o.preconditioner == DQA_PRECONDITIONER_FACTOR,
@@ -95,6 +99,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     s.method = static_cast<dqa::Method>(o.method);
     s.integrator = static_cast<dqa::Integrator>(o.integrator);
     s.material = static_cast<dqa::Material>(o.material);
+    s.quadrature = static_cast<dqa::Quadrature>(o.quadrature);
     s.planar = o.planar != 0;
     s.water = o.water != DQA_WATER_NONE;
     s.hydrodynamics.explicit_forces = o.water == DQA_WATER_EXPLICIT;

@@ -44,6 +44,7 @@ static const char help[] =
     "  --interpolation I  of muscles between the meshes: linear, or bures, the optimal transport of Gaussians "
     "(linear)\n"
     "  --material M      corotated; volume: it also resists changes of volume; neo-hookean (corotated)\n"
+    "  --quadrature Q    full: eight points a cell, as the paper; reduced: one, with hourglass control (reduced)\n"
     "  --integrator I    euler, or bdf2: second order in time (euler)\n"
     "  --planar          nothing moves up or down\n"
     "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
@@ -180,6 +181,7 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--generations", &g->generations},
                  {"--interpolation", &g->laws.interpolation},
                  {"--material", &g->laws.material},
+                 {"--quadrature", &g->laws.quadrature},
                  {"--integrator", &g->laws.integrator},
                  {"--current", &g->laws.current},
                  {"--current-file", &g->laws.current_file}};

@@ -12,6 +12,7 @@
 
 /* The library's constants count from 0 in these orders. */
 static const char* const interpolations[] = {"linear", "bures", NULL};
+static const char* const quadratures[] = {"full", "reduced", NULL};
 static const char* const materials[] = {"corotated", "volume", "neo-hookean", NULL};
 static const char* const integrators[] = {"euler", "bdf2", NULL};
 
@@ -54,6 +55,9 @@ int physics_parse(physics* p, const physics_words* words) {
     p->current_file = words->current_file;
     outcome = parse_choice("--interpolation", interpolations, words->interpolation, &p->interpolation);
     if (outcome == DONE) outcome = parse_choice("--material", materials, words->material, &p->material);
+    if (outcome == DONE)
+        outcome = parse_choice("--quadrature", quadratures, words->quadrature != NULL ? words->quadrature : "reduced",
+                               &p->quadrature);
     if (outcome == DONE) outcome = parse_choice("--integrator", integrators, words->integrator, &p->integrator);
     if (outcome != DONE) return outcome;
     if (words->current != NULL && words->current_file != NULL) {
@@ -77,6 +81,7 @@ void physics_of_space(const physics* p, dqa_shape_space_options* options) {
 
 void physics_of_simulator(const physics* p, dqa_simulator_options* options) {
     options->material = p->material;
+    options->quadrature = p->quadrature;
     options->integrator = p->integrator;
     options->planar = p->planar;
     memcpy(options->current, p->current, sizeof options->current);
@@ -103,9 +108,9 @@ int physics_set_current(const physics* p, dqa_simulator* simulator) {
 }
 
 void physics_add_settings(const physics* p, memory_text* t) {
-    memory_text_add(t, "interpolation %s\nautomatic-fins %d\nmaterial %s\nintegrator %s\nplanar %d\n",
+    memory_text_add(t, "interpolation %s\nautomatic-fins %d\nmaterial %s\nquadrature %s\nintegrator %s\nplanar %d\n",
                     interpolations[p->interpolation], (int)p->automatic_fins, materials[p->material],
-                    integrators[p->integrator], (int)p->planar);
+                    quadratures[p->quadrature], integrators[p->integrator], (int)p->planar);
     if (p->n_table > 0)
         memory_text_add(t, "current-file (content %016" PRIx64 ")\n",
                         hash_bytes(p->table, (size_t)p->n_table * sizeof(double)));
@@ -117,6 +122,7 @@ void physics_write(const physics* p, json* j) {
     json_string(j, "interpolation", interpolations[p->interpolation]);
     json_boolean(j, "automatic_fins", p->automatic_fins);
     json_string(j, "material", materials[p->material]);
+    json_string(j, "quadrature", quadratures[p->quadrature]);
     json_string(j, "integrator", integrators[p->integrator]);
     json_boolean(j, "planar", p->planar);
     json_open(j, "current", '[');

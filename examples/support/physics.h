@@ -10,13 +10,14 @@
 
 /* The words of the command line; NULL or 0 where it was silent. */
 typedef struct physics_words {
-    const char *interpolation, *material, *integrator, *current, *current_file;
+    const char *interpolation, *material, *quadrature, *integrator, *current, *current_file;
     int automatic_fins, planar;
 } physics_words;
 
 typedef struct physics {
     int32_t interpolation;    /* DQA_INTERPOLATION_* */
     int32_t material;         /* DQA_MATERIAL_* */
+    int32_t quadrature;       /* DQA_QUADRATURE_* */
     int32_t integrator;       /* DQA_INTEGRATOR_* */
     int32_t automatic_fins;   /* 0 or 1 */
     int32_t planar;           /* 0 or 1 */

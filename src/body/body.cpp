@@ -13,11 +13,12 @@ Body::Body(const ActiveSet& set, const Elasticity& elasticity, const std::vector
     const auto add = [&](ElasticKind kind) {
         terms_.push_back(std::make_unique<ElasticTerm>(kind, set, elasticity.mu, elasticity.lambda, instructions));
     };
+    const bool reduced = elasticity.quadrature == Quadrature::reduced;
     if (elasticity.material == Material::neo_hookean) {
-        add(ElasticKind::neo_hookean);
+        add(reduced ? ElasticKind::neo_hookean_reduced : ElasticKind::neo_hookean);
         add(ElasticKind::neo_hookean_volume);
     } else {
-        add(ElasticKind::corotated);
+        add(reduced ? ElasticKind::corotated_reduced : ElasticKind::corotated);
         if (elasticity.material == Material::corotated_volume) add(ElasticKind::corotated_volume);
     }
     n_elastic_ = terms_.size();

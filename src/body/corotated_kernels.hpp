@@ -233,8 +233,8 @@ void volume_bar(const double*, const double* lambda, const int* nodes, const dou
 
 // The twist stiffness of |F - R|^2 along an eigenvector of K with eigenvalue k is weight (1 - 2 k): bounded by scaling
 // K so that its Frobenius norm, an upper bound of k, stays <= 1/2.
-void corotated_filter(double* cache, int blocks) {
-    for (long at = 0; at < static_cast<long>(blocks) * 8; ++at)
+inline void filter_twists(double* cache, long points) {
+    for (long at = 0; at < points; ++at)
         for (int l = 0; l < kBlock; ++l) {
             double* k = cache + (at * kCorotatedPoint + 9) * kBlock + l;
             const double norm2 =
@@ -243,6 +243,10 @@ void corotated_filter(double* cache, int blocks) {
             const double scale = 0.5 / __builtin_sqrt(norm2);
             for (int c = 0; c < 6; ++c) k[8 * c] *= scale;
         }
+}
+
+void corotated_filter(double* cache, int blocks) {
+    filter_twists(cache, static_cast<long>(blocks) * 8);
 }
 
 // Compressed cells lose the term with dR, whose sign is that of the trace. (Where K itself is not positive, R jumps.)

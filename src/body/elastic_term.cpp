@@ -39,12 +39,14 @@ ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vect
     std::vector<double> weight(mu.size()), shift;
     for (std::size_t c = 0; c < mu.size(); ++c) switch (kind_) {
             case ElasticKind::corotated:
+            case ElasticKind::corotated_reduced:
                 weight[c] = 2.0 * mu[c] * volume_;
                 break;
             case ElasticKind::corotated_volume:
                 weight[c] = lambda[c] * volume_;
                 break;
             case ElasticKind::neo_hookean:
+            case ElasticKind::neo_hookean_reduced:
                 weight[c] = neo_moduli(mu[c], lambda[c]).mu * volume_;
                 break;
             case ElasticKind::neo_hookean_volume:
@@ -57,7 +59,8 @@ ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vect
 }
 
 const char* ElasticTerm::name() const {
-    constexpr const char* names[] = {"corotated", "corotated volume", "neo-Hookean", "neo-Hookean volume"};
+    constexpr const char* names[] = {"corotated",          "corotated volume",   "neo-Hookean",
+                                     "neo-Hookean volume", "corotated, reduced", "neo-Hookean, reduced"};
     return names[static_cast<std::size_t>(kind_)];
 }
 
@@ -108,7 +111,9 @@ void ElasticTerm::precondition(std::vector<Vec3>& stiffness) const {
         double s = 0.0;
         switch (kind_) {
             case ElasticKind::corotated:
+            case ElasticKind::corotated_reduced:
             case ElasticKind::neo_hookean:
+            case ElasticKind::neo_hookean_reduced:
                 s = 2.0 * mu_[c];
                 break;
             case ElasticKind::corotated_volume:
@@ -133,12 +138,14 @@ void ElasticTerm::pullback(TermWorkspace& ws, const double* q, const double* lam
         const double w = weight_bar[c] * volume_;
         switch (kind_) {
             case ElasticKind::corotated:
+            case ElasticKind::corotated_reduced:
                 bar.mu[c] += 2.0 * w;
                 break;
             case ElasticKind::corotated_volume:
                 bar.lambda[c] += w;
                 break;
             case ElasticKind::neo_hookean:
+            case ElasticKind::neo_hookean_reduced:
                 bar.mu[c] += 4.0 / 3.0 * w;
                 break;
             case ElasticKind::neo_hookean_volume: {

@@ -4,6 +4,7 @@
 #include "body/corotated_kernels.hpp"
 #include "body/muscle_kernels.hpp"
 #include "body/neo_hookean_kernels.hpp"
+#include "body/reduced_kernels.hpp"
 
 namespace dqa {
 
@@ -12,7 +13,10 @@ const BodyKernels& DQA_KERNEL_TABLE() {
         {{8 * kCorotatedPoint, 8, corotated_gradient, corotated_product, corotated_bar, corotated_filter},
          {kVolumePoint, 1, volume_gradient, volume_product, volume_bar, volume_filter},
          {8 * kNeoPoint, 8, neo_gradient, neo_product, neo_bar, neo_filter},
-         {kJacobianPoint, 1, jacobian_gradient, jacobian_product, jacobian_bar, jacobian_filter}},
+         {kJacobianPoint, 1, jacobian_gradient, jacobian_product, jacobian_bar, jacobian_filter},
+         {kCorotatedPoint, 1, reduced_corotated_gradient, reduced_corotated_product, reduced_corotated_bar,
+          reduced_corotated_filter},
+         {kNeoPoint, 1, reduced_neo_gradient, reduced_neo_product, reduced_neo_bar, neo_filter}},
         muscle_gradient,
         muscle_product,
         muscle_bar};

@@ -59,7 +59,7 @@ void Design::assemble() {
     const double node_mass = scene.density * box.dx * box.dx * box.dx / 8.0;
     std::vector<double> muscle_stiffness;
     Elasticity elasticity;
-    elasticity.material = scene.material;
+    elasticity.material = scene.material, elasticity.quadrature = scene.quadrature;
     mass_.assign(static_cast<std::size_t>(n_nodes()), 0.0);
     for (int a = 0; a < set_.n_cells(); ++a) {
         const int cell = set_.cells[static_cast<std::size_t>(a)];

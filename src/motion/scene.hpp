@@ -22,6 +22,7 @@ struct SceneSettings {
     int threads = 1;
     Method method = Method::newton_pcg;
     Material material = Material::corotated;
+    Quadrature quadrature = Quadrature::reduced;
     Integrator integrator = Integrator::implicit_euler;
     bool water = true;
     bool planar = false;           // no motion along z

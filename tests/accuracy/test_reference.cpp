@@ -29,7 +29,7 @@ Vector flat(const bench::Field& f) {
 
 SceneSettings scene_of(double tolerance) {
     SceneSettings scene = tight_scene();
-    scene.threshold = 0.0;
+    scene.threshold = 0.0, scene.quadrature = dqa::Quadrature::full;
     scene.tolerance = tolerance, scene.adjoint_tolerance = tolerance;
     scene.hydrodynamics.current = {-0.3, 0.1, 0.0};
     return scene;

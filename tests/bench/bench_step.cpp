@@ -3,7 +3,7 @@
 //
 //   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
-//              [--integrators LIST] [--precision LIST]
+//              [--integrators LIST] [--precision LIST] [--quadrature full|reduced]
 //              [--sweep tolerance|adjoint|threshold] [--algebraic] [--discretisation] [--reference]
 //              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
@@ -47,7 +47,7 @@ struct Settings : SceneRuns {
     std::vector<std::string> methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
         precisions{"single"};
     Vector thresholds{0.02, 0.0}, tolerances{1e-6};
-    int steps = 5;
+    int steps = 5, quadrature = 1;
     double sigma = 0.4;
     bool adjoints = false, indicator = false, algebraic = false, discretisation = false, scaling = false;
 };
@@ -61,7 +61,7 @@ Setup setup_of(const Settings& s, int method, int integrator, double threshold, 
     Setup out;
     out.method = method, out.integrator = integrator, out.threshold = threshold, out.threads = threads;
     out.tolerance = tolerance, out.adjoint_tolerance = tolerance;
-    out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget;
+    out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget, out.quadrature = s.quadrature;
     return out;
 }
 
@@ -88,8 +88,9 @@ public:
         for (const double tolerance : tolerances) {
             if (tolerance < 1e-6) continue;  // minutes, and nobody waits for them
             Setup setup = setup_of(s_, kReferenceMethod, 0, 0.0, tolerance, 1);
-            setup.repeat = s_.quick ? 1 : s_.repeat;
-            if (const auto got = measure(scene, setup)) report(scene, "", setup, *got, *exact(scene, 0.0, 0));
+            setup.repeat = s_.quick ? 1 : s_.repeat, setup.quadrature = 0;
+            if (const auto got = measure(scene, setup))
+                report(scene, "", setup, *got, *exact(scene, 0.0, 0, setup.quadrature));
         }
     }
 
@@ -106,7 +107,7 @@ public:
             for (const double threads : s_.threads) {
                 Setup setup = setup_of(s_, 0, 0, s_.thresholds.front(), 1e-6, static_cast<int>(threads));
                 const auto got = measure(*scene, setup);
-                const Outcome* truth = got ? exact(*scene, setup.threshold, 0, 1e-10) : nullptr;
+                const Outcome* truth = got ? exact(*scene, setup.threshold, 0, setup.quadrature, 1e-10) : nullptr;
                 if (!truth) continue;
                 report(*scene, ":same_cells", setup, *got, *truth);
                 if (threads != s_.threads.front()) continue;
@@ -140,7 +141,7 @@ public:
                     Setup setup = setup_of(s_, 0, 0, threshold, tolerance, static_cast<int>(s_.threads.front()));
                     setup.adjoint_tolerance = adjoint;
                     const auto got = measure(scene, setup);
-                    const Outcome* truth = got ? exact(scene, threshold, 0) : nullptr;
+                    const Outcome* truth = got ? exact(scene, threshold, 0, setup.quadrature) : nullptr;
                     if (!truth) continue;
                     const double error = gradient_error(*got, *truth), ms = spread_of(got->backward).median / s_.steps;
                     std::printf(
@@ -162,7 +163,7 @@ public:
         for (const double threshold : s_.thresholds) {
             Setup setup = setup_of(s_, 0, 0, threshold, s_.tolerances.front(), static_cast<int>(s_.threads.front()));
             const auto got = measure(scene, setup);
-            const Outcome* truth = got ? exact(scene, 0.0, 0, 1e-9) : nullptr;
+            const Outcome* truth = got ? exact(scene, 0.0, 0, setup.quadrature, 1e-9) : nullptr;
             if (!truth) continue;
             const double start = milliseconds(), eta = estimate(threshold), took = milliseconds() - start;
             const double state = state_error(*got, *truth, scene), gradient = gradient_error(*got, *truth);
@@ -191,13 +192,14 @@ private:
     }
 
     // The exact answer of a threshold, computed once; null where it failed.
-    const Outcome* exact(const Scene& scene, double threshold, int integrator, double tolerance = 1e-12) {
-        const auto key = std::tuple(scene.file, threshold, integrator);
+    const Outcome* exact(const Scene& scene, double threshold, int integrator, int quadrature,
+                         double tolerance = 1e-12) {
+        const auto key = std::tuple(scene.file, threshold, integrator, quadrature);
         const auto found = exact_.find(key);
         if (found != exact_.end()) return found->second ? &*found->second : nullptr;
         const bool direct = s_.oracle == "direct" || (s_.oracle == "auto" && small(scene) && tolerance <= 1e-12);
         Setup setup = setup_of(s_, direct ? 1 : 0, integrator, threshold, tolerance, 1);
-        setup.repeat = 1;
+        setup.repeat = 1, setup.quadrature = quadrature;
         const double start = milliseconds();
         auto& entry = exact_[key] = measure(scene, setup);
         if (entry)
@@ -214,9 +216,10 @@ private:
         if (setup.method == 1 && !small(scene) && s_.oracle != "direct") return;
         const auto got = measure(scene, setup);
         if (!got) return;
-        if (const Outcome* truth = exact(scene, 0.0, form)) report(scene, "", setup, *got, *truth);
+        if (const Outcome* truth = exact(scene, 0.0, form, setup.quadrature)) report(scene, "", setup, *got, *truth);
         if (s_.algebraic && threshold > 0)
-            if (const Outcome* truth = exact(scene, threshold, form)) report(scene, ":same_cells", setup, *got, *truth);
+            if (const Outcome* truth = exact(scene, threshold, form, setup.quadrature))
+                report(scene, ":same_cells", setup, *got, *truth);
         if (!s_.discretisation || setup.method != 0 || setup.threads != 1 || threshold <= 0) return;
         Setup fine = setup;
         fine.time_step /= 8.0, fine.steps *= 8, fine.repeat = 1, fine.tolerance = fine.adjoint_tolerance = 1e-8;
@@ -254,7 +257,7 @@ private:
 
     const Settings& s_;
     Csv csv_;
-    std::map<std::tuple<std::string, double, int>, std::optional<Outcome>> exact_;
+    std::map<std::tuple<std::string, double, int, int>, std::optional<Outcome>> exact_;
     int failures_ = 0;
 };
 
@@ -270,6 +273,7 @@ Settings parse(int argc, char** argv) {
     options.list("--tolerance", s.tolerances);
     options.list("--integrators", s.integrators);
     options.list("--precision", s.precisions);
+    options.value("--quadrature", [&](const std::string& what) { s.quadrature = place(kQuadratures, what); });
     options.value("--sweep", [&](const std::string& what) {
         if (what == "tolerance") {
             s.tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}, s.algebraic = true;

@@ -55,10 +55,11 @@ std::optional<Scene> open_scene(const std::string& name, const std::string& data
 constexpr const char* kMethods[] = {"newton_pcg", "newton_direct", "projective", "reference"};
 constexpr int kReferenceMethod = 3;
 constexpr const char* kIntegrators[] = {"euler", "bdf2"};
+constexpr const char* kQuadratures[] = {"full", "reduced"};  // the reference has full
 constexpr const char* kPrecisions[] = {"single", "double"};  // of the preconditioner
 
 struct Setup {
-    int method = 0, integrator = 0, material = 0, precision = 0, threads = 1;
+    int method = 0, integrator = 0, material = 0, quadrature = 1, precision = 0, threads = 1;
     double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 1e-6;
     double time_step = 1.0 / 30.0;
     int steps = 5, repeat = 5;

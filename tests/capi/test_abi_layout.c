@@ -100,6 +100,8 @@ AT(dqa_simulator_options, surface_smoothing, 240)
 AT(dqa_simulator_options, cancel, 248)
 AT(dqa_simulator_options, water_faces, 256)
 AT(dqa_simulator_options, preconditioner_precision, 260)
+AT(dqa_simulator_options, quadrature, 264)
+AT(dqa_simulator_options, padding, 268)
 
 SIZE(dqa_simulator_info, 160)
 AT(dqa_simulator_info, struct_size, 0)

@@ -27,8 +27,8 @@ struct Sample {
             muscles.push_back(m);
         }
     }
-    Body body(InstructionSet instructions = InstructionSet::automatic) const {
-        return Body(set, {Material::corotated, mu, {}}, muscles, 0.2, instructions);
+    Body body(InstructionSet instructions = InstructionSet::automatic, Quadrature quadrature = Quadrature::full) const {
+        return Body(set, {Material::corotated, mu, {}, quadrature}, muscles, 0.2, instructions);
     }
     // Rest state displaced at random by this part of a cell.
     Vector displaced(double part, std::uint64_t seed = 2) const {

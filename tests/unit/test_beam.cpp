@@ -21,12 +21,13 @@ struct Answer {
 
 // `layers` cells through the thickness, one across the width; the load is along y. Motion along z is held: without
 // lateral contraction it takes no part, but its own bending would be the softer mode.
-Answer solve(int layers, Material material, double lambda) {
+Answer solve(int layers, Material material, double lambda, Quadrature quadrature) {
     const double dx = kLength / kSlenderness / layers;
     const int nx = static_cast<int>(kSlenderness) * layers;
     const ActiveSet set = full_set({nx, layers, 1}, dx);
     const std::size_t n_cells = static_cast<std::size_t>(set.n_cells());
-    const Body body(set, {material, Vector(n_cells, kMu), Vector(n_cells, lambda)}, {}, 0.2, InstructionSet::automatic);
+    const Body body(set, {material, Vector(n_cells, kMu), Vector(n_cells, lambda), quadrature}, {}, 0.2,
+                    InstructionSet::automatic);
     const Vector rest = set.rest_positions();
     Vector force(rest.size()), muscle(rest.size());
     BodyWorkspace ws;
@@ -86,7 +87,7 @@ void test_cantilever() {
     Answer answers[4];
     double deflection_error[4], frequency_error[4];
     for (int k = 0; k < 4; ++k) {
-        answers[k] = solve(layers[k], Material::corotated, 0.0);
+        answers[k] = solve(layers[k], Material::corotated, 0.0, Quadrature::full);
         // Stiffness against stiffness: the error of one layer is as large as the answer.
         deflection_error[k] = (bending + shear) / answers[k].deflection - 1;
         frequency_error[k] = std::pow(answers[k].frequency / frequency, 2) - 1;
@@ -109,16 +110,40 @@ void test_cantilever() {
          0.1);
 }
 
+// One point and hourglass control: a single layer already bends, and swings, as the beam does, where eight points make
+// it half again too stiff (test_cantilever). The limit is the same.
+void test_single_layer() {
+    const double modulus = 2 * kMu, t = kLength / kSlenderness, inertia = t * t * t / 12, area = t;
+    const double deflection = std::pow(kLength, 3) / (3 * modulus * inertia) + kLength / (5.0 / 6 * kMu * area);
+    const double frequency =
+        std::pow(1.87510406871196, 2) * std::sqrt(modulus * inertia / (kDensity * area * std::pow(kLength, 4)));
+    for (const int layers : {1, 2, 4, 8}) {
+        const Answer answer = solve(layers, Material::corotated, 0.0, Quadrature::reduced);
+        print_message("%d layers, one point: deflection %.5f of Timoshenko, frequency %.5f\n", layers,
+                      answer.deflection / deflection, answer.frequency / frequency);
+        NEAR(answer.deflection, deflection, 0.0015 * deflection);
+        NEAR(answer.frequency, frequency, 0.004 * frequency);
+    }
+    const double locked = solve(1, Material::corotated, 0.0, Quadrature::full).deflection;
+    NEAR(locked / deflection, 2.0 / 3, 0.01);
+    const double fine = solve(8, Material::corotated, 0.0, Quadrature::reduced).deflection;
+    NEAR(fine, solve(8, Material::corotated, 0.0, Quadrature::full).deflection, 0.01 * deflection);
+}
+
 // Nearly incompressible in plane strain, modulus E / (1 - nu^2): with the volume term at one point the beam bends as it
 // should and converges as fast as before, where eight points would lock it.
 void test_no_locking() {
     const double nu = 0.499, lambda = 2 * kMu * nu / (1 - 2 * nu);
     const double modulus = 2 * kMu * (1 + nu) / (1 - nu * nu), t = kLength / kSlenderness;
     const double bending = std::pow(kLength, 3) / (3 * modulus * t * t * t / 12);
-    for (const Material m : {Material::corotated_volume, Material::neo_hookean}) {
+    const std::pair<Material, Quadrature> laws[] = {{Material::corotated_volume, Quadrature::full},
+                                                    {Material::neo_hookean, Quadrature::full},
+                                                    {Material::corotated_volume, Quadrature::reduced},
+                                                    {Material::neo_hookean, Quadrature::reduced}};
+    for (const auto& [m, quadrature] : laws) {
         double error[3];
         for (int k = 0; k < 3; ++k) {
-            const double deflection = solve(2 << k, m, lambda).deflection;
+            const double deflection = solve(2 << k, m, lambda, quadrature).deflection;
             print_message("nu = %.3f, %d layers: deflection %.4f of Euler-Bernoulli\n", nu, 2 << k,
                           deflection / bending);
             error[k] = bending / deflection - 1;
@@ -131,6 +156,6 @@ void test_no_locking() {
 }  // namespace
 
 int main() {
-    const CMUnitTest tests[] = {TEST(test_cantilever), TEST(test_no_locking)};
+    const CMUnitTest tests[] = {TEST(test_cantilever), TEST(test_single_layer), TEST(test_no_locking)};
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -24,12 +24,17 @@ double least_eigenvalue(const Eigen::MatrixXd& h) {
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (h + h.transpose())).eigenvalues()(0);
 }
 
+Quadrature quadrature = Quadrature::full;  // of the bodies that the tests make: all run with each
+int points() {
+    return quadrature == Quadrature::full ? 8 : 1;  // of integration in a cell
+}
+
 // ---------------------------------------------------------------- values
 
 // Rotation and translation cost nothing, near the origin and a kilometre away, where positions are known to 1e-13 m.
 void test_rigid_motion() {
     const Sample s({5, 4, 3}, 0);
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     BodyWorkspace ws;
     Random random{7};
     for (const double distance : {0.0, 1000.0})
@@ -49,7 +54,7 @@ void test_rigid_motion() {
     double expected = 0.0;
     for (const double mu : s.mu) expected += 4.0 * mu * 1e-3;  // |F - R|^2 = 4 for F = diag(-1, 1, 1)
     NEAR(r.energy, expected, 1e-12 * expected);
-    CHECK(ws.inverted == 8 * s.set.n_cells());
+    CHECK(ws.inverted == points() * s.set.n_cells());
 }
 
 // Uniform stretch: energy mu V |F - 1|^2 and muscle w/2 V (l - r)^2, by hand.
@@ -57,7 +62,7 @@ void test_uniform_stretch() {
     Sample s({3, 2, 2}, 0);
     s.muscles.push_back({4, 0, 1.0, {0.0, 1.0, 0.0}, 3e6});
     s.muscles.push_back({4, 0, -1.0, {0.0, 1.0, 0.0}, 2e6});
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     BodyWorkspace ws;
     const Result r = evaluate(body, ws, mapped(s.rest, {1.2, 0, 0, 0, 0.9, 0, 0, 0, 1.1}, {3, 4, 5}), s.signals);
     double expected = 0.0;
@@ -74,7 +79,7 @@ void test_uniform_stretch() {
 
 void test_gradient_and_hessian() {
     const Sample s({4, 3, 3});
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     BodyWorkspace ws, scratch;
     Random random{3};
     for (const double part : {0.02, 0.15, 0.3}) {
@@ -95,13 +100,13 @@ void test_gradient_and_hessian() {
 // One cell turned inside out along x and stretched unevenly: singular values 1.3, 1, -0.5, far from one another.
 void test_derivatives_of_an_inverted_cell() {
     const Sample s({1, 1, 1}, 2);
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     BodyWorkspace ws, scratch;
     Random random{4};
     const Vector q = plus(mapped(s.rest, {-0.5, 0.1, 0, 0, 1.3, 0.1, 0.05, 0, 1.0}), 0.002, random_vector(24, random));
     const Vector p = random_vector(24, random, 0.1), r = random_vector(24, random);
     const Result at = evaluate(body, ws, q, s.signals);
-    CHECK(ws.inverted == 8);
+    CHECK(ws.inverted == points());
     CHECK_DERIVATIVE([&](double e) { return evaluate(body, scratch, plus(q, e, p), s.signals).energy; },
                      dot_of(at.total, p), 1e-2);
     const Vector hp = product(body, ws, p);
@@ -113,7 +118,7 @@ void test_derivatives_of_an_inverted_cell() {
 
 void test_parameter_pullback() {
     const Sample s({4, 3, 3});
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     BodyWorkspace ws, scratch;
     Random random{5};
     const Vector q = s.displaced(0.15), lambda = random_vector(q.size(), random);
@@ -126,7 +131,7 @@ void test_parameter_pullback() {
     const auto value = [&](const Vector& mu, double e, const Vector& dw, const Vector& signals) {
         std::vector<MuscleEntry> muscles(s.muscles);
         for (std::size_t k = 0; k < muscles.size(); ++k) muscles[k].weight += e * dw[k];
-        const Body changed(s.set, {Material::corotated, mu, {}}, muscles, 0.2, InstructionSet::automatic);
+        const Body changed(s.set, {Material::corotated, mu, {}, quadrature}, muscles, 0.2, InstructionSet::automatic);
         return dot_of(lambda, evaluate(changed, scratch, q, signals).total);
     };
     CHECK_LINEAR_DERIVATIVE([&](double e) { return value(plus(s.mu, e, dmu), 0.0, dweight, s.signals); },
@@ -150,7 +155,7 @@ void test_muscle_hessian() {
     s.mu = {0.0};
     const double w = 2e6, volume = 1e-3;
     s.muscles.push_back({0, 0, 1.0, {1.0, 0.0, 0.0}, w});
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     for (const double l : {1.0, 1.1, 0.9, 0.8}) {
         BodyWorkspace ws;
         evaluate(body, ws, mapped(s.rest, {l, 0, 0, 0, 1, 0, 0, 0, 1}), {1.0});  // r = 0.8
@@ -164,7 +169,7 @@ void test_muscle_hessian() {
 void test_filter() {
     Sample s({2, 1, 1}, 3);
     for (MuscleEntry& m : s.muscles) m.weight *= 4.0;
-    const Body body = s.body();
+    const Body body = s.body(InstructionSet::automatic, quadrature);
     Random random{6};
     const Vector compressed = mapped(s.rest, {0.4, 0.1, 0, 0, 0.5, 0, 0, 0, 0.45}, {1, 2, 3});
     const Vector inverted =
@@ -198,5 +203,7 @@ int main() {
         TEST(test_muscle_hessian),
         TEST(test_filter),
     };
-    return cmocka_run_group_tests(tests, nullptr, nullptr);
+    const int failed = cmocka_run_group_tests_name("eight points", tests, nullptr, nullptr);
+    quadrature = Quadrature::reduced;
+    return failed + cmocka_run_group_tests_name("one point and hourglass control", tests, nullptr, nullptr);
 }

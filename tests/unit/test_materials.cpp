@@ -8,14 +8,23 @@ namespace {
 
 using namespace fixtures;
 
-constexpr Material kMaterials[] = {Material::corotated, Material::corotated_volume, Material::neo_hookean};
-const char* const kNames[] = {"corotated", "corotated with volume", "neo-Hookean"};
+struct Law {
+    Material material;
+    Quadrature quadrature;
+    const char* name;
+};
+constexpr Law kLaws[] = {{Material::corotated, Quadrature::full, "corotated"},
+                         {Material::corotated_volume, Quadrature::full, "corotated with volume"},
+                         {Material::neo_hookean, Quadrature::full, "neo-Hookean"},
+                         {Material::corotated, Quadrature::reduced, "corotated, reduced"},
+                         {Material::corotated_volume, Quadrature::reduced, "corotated with volume, reduced"},
+                         {Material::neo_hookean, Quadrature::reduced, "neo-Hookean, reduced"}};
 
 struct Block {
     Sample sample;
     Elasticity elasticity;
-    explicit Block(Material material, int n_muscles = 0) : sample({4, 3, 3}, n_muscles) {
-        elasticity = {material, sample.mu, {}};
+    explicit Block(const Law& law, int n_muscles = 0) : sample({4, 3, 3}, n_muscles) {
+        elasticity = {law.material, sample.mu, {}, law.quadrature};
         Random random{9};
         for (const double m : sample.mu) elasticity.lambda.push_back(m * between(random, 0.5, 9.0));
     }
@@ -25,7 +34,7 @@ struct Block {
 
 void test_rest_and_rigid_motion() {
     Random random{1};
-    for (const Material m : kMaterials) {
+    for (const Law& m : kLaws) {
         const Block b(m);
         const Body body = b.body();
         BodyWorkspace ws;
@@ -44,10 +53,11 @@ void test_rest_and_rigid_motion() {
 // Uniform small strains: the energy density is mu |e|^2 + lambda/2 tr(e)^2 for the two materials with a volume term.
 void test_hooke() {
     Random random{2};
-    for (const Material m : {Material::corotated_volume, Material::neo_hookean}) {
+    for (const Law& m : kLaws) {
+        if (m.material == Material::corotated) continue;
         Sample s({2, 2, 2}, 0);
         const double mu = 0.7e6, lambda = 2.9e6, volume = 8 * std::pow(s.set.box.dx, 3);
-        const Elasticity e{m, Vector(8, mu), Vector(8, lambda)};
+        const Elasticity e{m.material, Vector(8, mu), Vector(8, lambda), m.quadrature};
         const Body body(s.set, e, {}, 0.2, InstructionSet::automatic);
         BodyWorkspace ws;
         const double rest = evaluate(body, ws, s.rest, {0, 0}).energy;
@@ -76,7 +86,7 @@ void test_hooke() {
 }
 
 void test_derivatives() {
-    for (const Material m : kMaterials)
+    for (const Law& m : kLaws)
         for (const double part : {0.05, 0.25}) {
             const Block b(m, 7);
             const Body body = b.body();
@@ -98,7 +108,7 @@ void test_derivatives() {
 }
 
 void test_parameters() {
-    for (const Material m : kMaterials) {
+    for (const Law& m : kLaws) {
         const Block b(m, 5);
         const Body body = b.body();
         BodyWorkspace ws, scratch;
@@ -111,13 +121,14 @@ void test_parameters() {
                                 {mu_bar.data(), lambda_bar.data(), weight_bar.data(), signal_bar.data()});
         const Vector dmu = random_vector(n, random, 1e5), dlambda = random_vector(n, random, 1e5);
         const auto value = [&](double e, double f) {
-            const Elasticity changed{m, plus(b.elasticity.mu, e, dmu), plus(b.elasticity.lambda, f, dlambda)};
+            const Elasticity changed{m.material, plus(b.elasticity.mu, e, dmu), plus(b.elasticity.lambda, f, dlambda),
+                                     m.quadrature};
             return dot_of(adjoint, evaluate(b.body(changed), scratch, q, b.sample.signals).total);
         };
         // Forces are linear in both, but for the rest shift of the neo-Hookean, which is a constant times J's
         // cofactors.
         CHECK_LINEAR_DERIVATIVE([&](double e) { return value(e, 0); }, dot_of(mu_bar, dmu), 0.1);
-        if (m == Material::corotated)
+        if (m.material == Material::corotated)
             CHECK(norm_of(lambda_bar) == 0.0);
         else
             CHECK_LINEAR_DERIVATIVE([&](double e) { return value(0, e); }, dot_of(lambda_bar, dlambda), 0.1);
@@ -127,8 +138,8 @@ void test_parameters() {
 
 // Violently deformed and turned inside out: after `filter` no direction has negative curvature.
 void test_filter() {
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Block b(kMaterials[k], 7);
+    for (const Law& law : kLaws) {
+        const Block b(law, 7);
         const Body body = b.body();
         BodyWorkspace ws;
         evaluate(body, ws, b.sample.displaced(0.7), {1.0, -1.0});
@@ -149,7 +160,7 @@ void test_filter() {
         const double before = smallest();
         body.filter(ws);
         const double after = smallest();
-        print_message("%s: least eigenvalue %.1e of the largest, filtered %.1e\n", kNames[k], before, after);
+        print_message("%s: least eigenvalue %.1e of the largest, filtered %.1e\n", law.name, before, after);
         CHECK(before < -1e-4);
         CHECK(after > -1e-12);
     }

@@ -57,11 +57,11 @@ Vector product_of(const Body& body, const Vector& q, const Vector& signals, cons
 
 constexpr const char* kSymmetric = "J d is the Hessian's product: its symmetry";
 
-void elastic_rows(Table& t, const std::string& name, Material material) {
+void elastic_rows(Table& t, const std::string& name, Material material, Quadrature quadrature) {
     const Block b;
     const std::string stage = "body, " + name;
     const auto body_of = [&](const Inputs& x) {
-        return Body(b.set, {material, x[1], x[2]}, {}, 0.2, InstructionSet::automatic);
+        return Body(b.set, {material, x[1], x[2], quadrature}, {}, 0.2, InstructionSet::automatic);
     };
     const Inputs x{b.displaced(0.15), b.mu, b.lambda};
     t.prove(
@@ -93,16 +93,16 @@ void elastic_rows(Table& t, const std::string& name, Material material) {
 }
 
 // One cell turned inside out along x and stretched unevenly: singular values 1.3, 1, -0.5, far from one another.
-void inverted_rows(Table& t) {
+void inverted_rows(Table& t, const std::string& name, Quadrature quadrature) {
     const ActiveSet set = fixtures::full_set({1, 1, 1}, 0.1);
-    const Body body(set, {Material::corotated, {1e6}, {}}, {}, 0.2, InstructionSet::automatic);
+    const Body body(set, {Material::corotated, {1e6}, {}, quadrature}, {}, 0.2, InstructionSet::automatic);
     derivative::Random random(4);
     const Vector q = derivative::along(fixtures::mapped(set.rest_positions(), {-0.5, 0.1, 0, 0, 1.3, 0.1, 0.05, 0, 1}),
                                        0.002, random.vector(24));
     Field state{"state, a cell turned inside out", q, 2e-3, false, kSymmetric};
     state.product = [&](const Inputs& in, const Vector& d) { return product_of(body, in[0], {0.0}, d); };
     t.prove(
-        "body, corotated: forces", {state}, [&](const Inputs& in) { return forces_of(body, in[0], {0.0}).elastic; },
+        "body, " + name + ": forces", {state}, [&](const Inputs& in) { return forces_of(body, in[0], {0.0}).elastic; },
         [&](const Inputs& in, const Vector& bar) { return Inputs{product_of(body, in[0], {0.0}, bar)}; });
 }
 
@@ -151,10 +151,13 @@ void fibre_rows(Table& t) {
 }  // namespace
 
 void body_rows(Table& t) {
-    elastic_rows(t, "corotated", Material::corotated);
-    inverted_rows(t);
-    elastic_rows(t, "corotated with volume term", Material::corotated_volume);
-    elastic_rows(t, "neo-Hookean", Material::neo_hookean);
+    elastic_rows(t, "corotated", Material::corotated, Quadrature::full);
+    inverted_rows(t, "corotated", Quadrature::full);
+    elastic_rows(t, "corotated with volume term", Material::corotated_volume, Quadrature::full);
+    elastic_rows(t, "neo-Hookean", Material::neo_hookean, Quadrature::full);
+    elastic_rows(t, "corotated, one point", Material::corotated, Quadrature::reduced);
+    inverted_rows(t, "corotated, one point", Quadrature::reduced);
+    elastic_rows(t, "neo-Hookean, one point", Material::neo_hookean, Quadrature::reduced);
     fibre_rows(t);
 }
 
