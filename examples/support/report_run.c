@@ -132,10 +132,10 @@ static int iteration_charts(report* to, const run* r, const dqa_shape_space* spa
     if (numbers == NULL) return say_no_memory();
     loss_charts(to, r, numbers, at);
     weight_charts(to, r, space);
-    if (!r->mlp && !r->fixed_control && r->n_control > 0) sine_charts(to, r, numbers);
+    if (!r->mlp && r->moves != RUN_WEIGHTS && r->n_control > 0) sine_charts(to, r, numbers);
     report_chart(to, REPORT_LOG, "Gradient of the loss", ITERATION, "2-norm", NULL);
     column(to, r, "by weights", REPORT_PLAIN, &r->rows[0].gradient_weights, 0, r->iteration, numbers, at);
-    if (!r->fixed_control)
+    if (r->moves != RUN_WEIGHTS)
         column(to, r, "by controller", REPORT_PLAIN, &r->rows[0].gradient_control, 0, r->iteration, numbers, at);
     report_chart_end(to);
     free(numbers);
