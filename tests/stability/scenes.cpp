@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "grid/random.hpp"
@@ -161,20 +162,33 @@ const Variant kPlaneDirect{"plane", [](Trial& t) {
                                t.scene.method = Method::newton_direct;
                            }};
 const Variant kExplicit{"explicit water", [](Trial& t) { t.scene.hydrodynamics.explicit_forces = true; }};
+const Variant kDouble{"double", [](Trial& t) { t.scene.precision = dqa::Precision::double_precision; }};
+const Variant kFactor{"factor", [](Trial& t) { t.scene.preconditioner = dqa::PreconditionerKind::factor; }};
+const Variant kFactorDouble{"factor double", [](Trial& t) {
+                                t.scene.preconditioner = dqa::PreconditionerKind::factor;
+                                t.scene.precision = dqa::Precision::double_precision;
+                            }};
+const Variant kReference{"", [](Trial& t) {
+                             t.reference = true;
+                             t.scene.tolerance = 1e-8;
+                             t.scene.max_linear = 500;
+                         }};
+// As the examples of the paper run it.
+const Variant kLoose{"tolerance 0.1", [](Trial& t) {
+                         kReference.apply(t);
+                         t.scene.tolerance = 1e-1, t.scene.adjoint_tolerance = 1e-3;
+                     }};
 
 using Set = std::function<void(Trial&, double)>;
 
 class Map {
 public:
-    explicit Map(bool quick) : quick_(quick) {}
-
-    // Every pair of values under every variant; quick: every third cell of every second value of both.
+    // Every pair of values under every variant.
     void plane(const char* x, const std::vector<double>& xs, const Set& set_x, const char* y,
                const std::vector<double>& ys, const Set& set_y, const std::vector<Variant>& variants) {
         for (const Variant& variant : variants)
-            for (const double value_x : chosen(xs))
-                for (const double value_y : chosen(ys)) {
-                    if (quick_ && counter_++ % 3 != 0) continue;
+            for (const double value_x : xs)
+                for (const double value_y : ys) {
                     Trial t;
                     t.axis_x = x, t.axis_y = y, t.value_x = value_x, t.value_y = value_y;
                     t.variant = variant.name;
@@ -185,26 +199,47 @@ public:
                     trials.push_back(std::move(t));
                 }
     }
-    // One axis alone; never thinned out.
     void line(const char* x, const std::vector<double>& xs, const Set& set_x, const std::vector<Variant>& variants) {
-        const bool quick = std::exchange(quick_, false);
         plane(
             x, xs, set_x, "none", {0.0}, [](Trial&, double) {}, variants);
-        quick_ = quick;
     }
 
     std::vector<Trial> trials;
-
-private:
-    Vector chosen(const std::vector<double>& values) const {
-        if (!quick_) return values;
-        Vector out;
-        for (std::size_t k = (values.size() + 1) % 2; k < values.size(); k += 2) out.push_back(values[k]);
-        return out;
-    }
-    bool quick_;
-    int counter_ = 0;
 };
+
+// The quick map: the ends of each axis, where methods fail, and what is harmless on the way to them.
+bool is_corner(const Trial& t) {
+    struct Cell {
+        const char* axis;
+        double x, y;
+    };
+    static constexpr Cell kCorners[] = {{"young_modulus", 1e4, 1.0 / 2},
+                                        {"young_modulus", 1e9, 1.0 / 2},
+                                        {"young_modulus", 5e6, 1e-3},
+                                        {"contraction", 0.8, 1e-2},
+                                        {"contraction", 0.8, 1.0 / 2},
+                                        {"flow", 0.1, 1.0 / 2},
+                                        {"flow", 10.0, 1.0 / 10},
+                                        {"occupancy_floor", 1e-10, 0.0},
+                                        {"occupancy_floor", 1e-2, 0.3},
+                                        {"time_step", 1.0 / 30, 0.0},
+                                        {"poisson_ratio", 0.499, 0.0},
+                                        {"muscle_stiffness", 1e8, 0.0},
+                                        {"first_weight", 0.0, 0.0},
+                                        {"first_weight", 1e-12, 0.0},
+                                        {"start_shaken", 3.0, 0.0},
+                                        {"start_inverted_cells", 3.0, 0.0},
+                                        {"start_scaled_lateral", -1.0, 0.0},
+                                        {"start_scaled_lateral", 0.0, 0.0},
+                                        {"start_point", 0.0, 0.0},
+                                        {"start_speed", 100.0, 0.0},
+                                        {"fin_one_cell_wide", 1.0, 0.0},
+                                        {"two_pieces", 1.0, 0.0},
+                                        {"one_cell", 1.0, 0.0},
+                                        {"opposite_ends", 12.0, 0.0}};
+    return std::any_of(std::begin(kCorners), std::end(kCorners),
+                       [&](const Cell& c) { return t.axis_x == c.axis && t.value_x == c.x && t.value_y == c.y; });
+}
 
 double body_length(const Trial& t) {
     return t.space->bases()[0].length_in_cells * t.space->box().dx;
@@ -213,7 +248,7 @@ double body_length(const Trial& t) {
 }  // namespace
 
 std::shared_ptr<const ShapeSpace> small_space() {
-    static const auto space = space_of({16, 8, 8}, {{ellipsoid({6.0, 2.0, 2.4}), -6.0, 6.0, 2.2},
+    static const auto space = space_of({14, 6, 6}, {{ellipsoid({6.0, 2.0, 2.4}), -6.0, 6.0, 2.2},
                                                     {ellipsoid({5.0, 2.4, 2.2}, {0.4, 0.0, 0.2}), -4.6, 5.4, 2.3}});
     return space;
 }
@@ -229,27 +264,42 @@ std::shared_ptr<const ShapeSpace> cell_space() {
     return space_of({8, 8, 8}, {{cell, -1.0, 1.0, 1.0}, {cell, -1.0, 1.0, 1.0}});
 }
 
+std::vector<BarycenterTrial> barycenters(bool quick) {
+    std::vector<BarycenterTrial> out;
+    const Vector sigmas = quick ? Vector{0.2, 0.4, 8.0} : Vector{0.2, 0.3, 0.4, 0.7, 1.0, 2.0, 4.0, 8.0};
+    const Vector separations = quick ? Vector{0.0, 8.0, 24.0} : Vector{0.0, 4.0, 8.0, 16.0, 24.0};
+    for (const bool reference : {false, true})
+        for (const double sigma : sigmas)
+            for (const double separation : separations) out.push_back({sigma, separation, reference});
+    return out;
+}
+
 std::vector<Trial> mechanics(bool quick) {
-    Map map(quick);
+    Map map;
     const auto young = [](Trial& t, double e) { t.scene.young_modulus = e; };
     const auto time_step = [](Trial& t, double h) { t.scene.time_step = h; };
     const std::vector<double> steps{1e-3, 1e-2, 1.0 / 30, 1.0 / 10, 1.0 / 3, 1.0 / 2};
     map.plane("young_modulus", {1e4, 1e5, 1e6, 5e6, 1e7, 1e8, 1e9}, young, "time_step", steps, time_step,
               {kDefault, kVolume, kNeo, kBdf2, kNeoBdf2, kPlane, kPlaneNeo, kPlaneDirect});
     map.plane("young_modulus", {1e4, 1e6, 1e8}, young, "time_step", {1e-2, 1.0 / 10, 1.0 / 2}, time_step,
-              {kDirect, kProjective});
+              {kDirect, kProjective, kDouble, kFactor, kFactorDouble});
+    map.plane("young_modulus", {1e4, 1e5, 1e6, 5e6, 1e7, 1e8, 1e9}, young, "time_step", steps, time_step, {kReference});
     map.plane("contraction", {0.05, 0.2, 0.4, 0.6, 0.8}, [](Trial& t, double c) { t.scene.contraction = c; },
-              "time_step", steps, time_step, {kDefault, kVolume, kNeo, kBdf2});
+              "time_step", steps, time_step, {kDefault, kVolume, kNeo, kBdf2, kReference});
     map.plane("flow", {0.0, 0.1, 1.0, 3.0, 10.0},  // body lengths a second, obliquely from ahead
               [](Trial& t, double speed) {
                   const double v = speed * body_length(t);
                   t.scene.hydrodynamics.current = {-0.8 * v, 0.5 * v, t.space->box().dims == 2 ? 0.0 : 0.3 * v};
               },
-              "time_step", steps, time_step, {kDefault, kNeo, kBdf2, kExplicit});
+              "time_step", steps, time_step, {kDefault, kNeo, kBdf2, kExplicit, kReference});
     map.plane(
         "occupancy_floor", {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}, [](Trial& t, double g) { t.scene.occupancy_floor = g; },
         "threshold", {0.0, 0.005, 0.02, 0.1, 0.3}, [](Trial& t, double tau) { t.scene.threshold = tau; },
         {kDefault, kNeo});
+    map.plane(
+        "occupancy_floor", {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}, [](Trial& t, double g) { t.scene.occupancy_floor = g; },
+        "threshold", {0.0}, [](Trial& t, double tau) { t.scene.threshold = tau; }, {kReference});
+    map.line("time_step", steps, time_step, {kLoose});
     map.line("poisson_ratio", {0.0, 0.3, 0.45, 0.49, 0.499}, [](Trial& t, double nu) { t.scene.poisson_ratio = nu; },
              {kVolume, kNeo, kNeoBdf2});
     map.line("muscle_stiffness", {0.0, 1e4, 1e6, 1e8}, [](Trial& t, double w) { t.scene.muscle_stiffness = w; },
@@ -302,6 +352,8 @@ std::vector<Trial> mechanics(bool quick) {
                  t.weights = {0.5, 0.5};
              },
              {kDefault});
+    if (quick) std::erase_if(map.trials, [](const Trial& t) { return !is_corner(t); });
+    for (Trial& t : map.trials) t.independent = !quick;
     return map.trials;
 }
 

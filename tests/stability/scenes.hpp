@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "barycenter_trial.hpp"
 #include "trial.hpp"
 
 namespace stability {
@@ -15,7 +16,8 @@ std::shared_ptr<const dqa::ShapeSpace> flat_space();
 // A single full cell.
 std::shared_ptr<const dqa::ShapeSpace> cell_space();
 
-// All cells of the map, or of the planes about one in ten.
+// All cells of the map, or those at the ends of the axes, where methods fail.
 std::vector<Trial> mechanics(bool quick);
+std::vector<BarycenterTrial> barycenters(bool quick);
 
 }  // namespace stability
