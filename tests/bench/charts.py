@@ -4,8 +4,8 @@
 
     charts.py [--results DIR] [--charts DIR] [name ...]
 
-Names: work_precision_<scene>, rollout_<scene>, threshold, scaling, barycenter, schedule, stability; default all whose
-CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
+Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, scaling, barycenter, schedule, stability; default all
+whose CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
 """
 import argparse
 import csv
@@ -34,6 +34,8 @@ def read(folder, name):
         with open(path, newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file):
                 for key, text in row.items():
+                    if key == "outcome":  # one of them is the word nan
+                        continue
                     try:
                         row[key] = float(text)
                     except (TypeError, ValueError):
@@ -227,6 +229,27 @@ def threshold(results, charts):
     draw(charts / "threshold.svg", "Threshold 0.02: " + "; ".join(parts[:2]), panels, height=540)
 
 
+def adjoint(results, charts):
+    """Error of the gradient over the time of a backward step as the adjoints' tolerance tightens."""
+    rows = read(results, "step_adjoint")
+    if not rows:
+        return
+    rows.sort(key=lambda r: -r["adjoint_tolerance"])
+    panels = []
+    for scene in (s for s in SCENES if any(r["scene"] == s for r in rows)):
+        curves = []
+        own = [r for r in rows if r["scene"] == scene and r["gradient_error"] > 0]
+        for tolerance, colour in zip(sorted({r["tolerance"] for r in own}, reverse=True), FIVE):
+            group = [r for r in own if r["tolerance"] == tolerance]
+            curves.append(Curve(f"states to {sci(tolerance)}", colour,
+                                [(r["adjoint_iterations"], r["gradient_error"]) for r in group],
+                                texts=[(r["adjoint_iterations"], r["gradient_error"], sci(r["adjoint_tolerance"]))
+                                       for r in group]))
+        panels.append(Panel(f"{SCENES[scene]} (labels: tolerance of the adjoints)", "iterations of an adjoint step",
+                            "relative error of the gradient", curves, log="y"))
+    draw(charts / "adjoint.svg", "How far adjoints need to be solved: until the error of the states takes over", panels)
+
+
 def slope(points):
     xs, ys = [math.log(x) for x, _ in points], [math.log(y) for _, y in points]
     mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
@@ -333,44 +356,122 @@ def schedule(results, charts):
     draw(charts / "schedule.svg", title, panels)
 
 
-# Shape and colour both tell the outcome: filled circle, open diamond, filled triangle, cross.
-OUTCOMES = {"accurate": (BLUE, 7, "right"), "reported": (ORANGE, 12, "not solved, and said so"),
-            "silent": (RED, 9, "wrong, silently"), "nan": (BLACK, 2, "not a number")}
+# Colour and letter both tell the outcome; the first is what nearly every tile is, and stays without a letter.
+OUTCOMES = {"accurate": (SKY, "", "right (state to 1e-4, gradient to 1e-3)"),
+            "reported": (ORANGE, "R", "R: not solved, and said so"), "silent": (RED, "S", "S: wrong, silently"),
+            "nan": (BLACK, "N", "N: not a number")}
+PANELS = [("young_modulus", "time_step"), ("contraction", "time_step"), ("flow", "time_step"),
+          ("occupancy_floor", "threshold"), ("sigma", "separation")]
+OURS = ("newton_pcg", "newton")  # of scenes, of barycentres
+AXES = {"young_modulus": "Young's modulus (Pa)", "time_step": "time step (s)",
+        "contraction": "contraction at full stroke", "flow": "flow (body lengths/s)", "occupancy_floor": "stiffness of the void", "threshold": "threshold of cells",
+        "sigma": "width of the kernel (cells)", "separation": "separation (cells)", "none": ""}
+
+
+def value_text(axis, value):
+    if axis == "time_step":
+        return f"1/{1 / value:.0f}"
+    return sci(value) if value and (abs(value) >= 1e4 or abs(value) < 5e-3) else f"{value:g}"
+
+
+def tiles(name, places, half, keys):
+    """Gnuplot data and plots of tiles: places by outcome, half a tile's width and height, whether with keys."""
+    lines, plots = [], []
+    for outcome, (colour, letter, label) in OUTCOMES.items():
+        block = f"${name}_{outcome}"
+        lines += [f"{block} << EOD"] + [f'{x:g} {y:g} "{letter}"' for x, y in places.get(outcome) or [(-99, -99)]] + ["EOD"]
+        plots.append(f"{block} using 1:2:({half[0]}):({half[1]}) with boxxyerror fs solid 1.0 noborder "
+                     f"lc rgb '{colour}' " + (f"title \"{label}\"" if keys else "notitle"))
+        if letter:
+            plots.append(f"{block} using 1:2:3 with labels font ',9' tc rgb '#ffffff' notitle")
+    return lines, plots
+
+
+def places_of(rows, place):
+    out = {}
+    for row in rows:
+        out.setdefault(row["outcome"], []).append(place(row))
+    return out
+
+
+def stability_panels(rows):
+    """A row of panels of the library, and one of the textbook method, a column for each pair of axes."""
+    lines, number = [], 0
+    for line, (name, wanted) in enumerate((("libdiffaqua", OURS), ("reference", ("reference",)))):
+        for column, (x, y) in enumerate(PANELS):
+            every = [r for r in rows if (r["axis_x"], r["axis_y"]) == (x, y)]
+            xs, ys = (sorted({r[k] for r in every}) for k in ("value_x", "value_y"))
+            group = [r for r in every if r["method"] in wanted]
+            lines += [f"set origin {column / 5 + 0.004},{(0.68, 0.415)[line]}", "set size 0.196,0.265",
+                      f"set title \"{name}\" font ',12' offset 0,-0.5",
+                      f"set xlabel \"{escape(AXES[x])}\" font ',11' offset 0,0.3",
+                      f"set ylabel \"{escape(AXES[y])}\" font ',11' offset {0.5 if y == 'separation' else 2},0",
+                      f"set xrange [-0.6:{max(0, len(xs) - 1) + 0.6}]", f"set yrange [-0.6:{max(0, len(ys) - 1) + 0.6}]"]
+            for axis, values, label in (("x", xs, x), ("y", ys, y)):
+                marks = ", ".join(f"'{value_text(label, v)}' {k}" for k, v in enumerate(values))
+                lines.append(f"set {axis}tics ({marks}) scale 0 font ',9'" + (" rotate by -50" if axis == "x" else ""))
+            data, plots = tiles(f"p{number}", places_of(group, lambda r: (xs.index(r["value_x"]), ys.index(r["value_y"]))),
+                                (0.47, 0.47), False)
+            number += 1
+            lines += data + ["plot " + ", ".join(plots)]
+    return lines
+
+
+def stability_strips(rows):
+    """All other cells: a strip for each pair of axes and method, or for each single axis with all its methods."""
+    strips = {}
+    for r in rows:
+        pair = (r["axis_x"], r["axis_y"])
+        if pair in PANELS and r["method"] not in OURS + ("reference",):
+            strips.setdefault(f"{r['axis_x']}, {r['axis_y']}: {r['method']}", []).append(r)
+        elif pair not in PANELS:
+            reference = r["method"].startswith("reference")
+            strips.setdefault(f"{r['axis_x']}: {r['method']}" if reference else r["axis_x"], []).append(r)
+    if not strips:
+        return []
+    # In two columns, each as long as its longest strip.
+    half = (len(strips) + 1) // 2
+    lines = []
+    for column in range(2):
+        part = list(strips.items())[column * half:(column + 1) * half]
+        if not part:
+            continue
+        longest = max(len(group) for _, group in part)
+        tics = ", ".join(f"\"{escape(name)}\" {-k}" for k, (name, _) in enumerate(part))
+        places = {}
+        for k, (_, group) in enumerate(part):
+            for outcome, found in places_of(group, lambda r, k=k, group=group: (group.index(r), -k)).items():
+                places.setdefault(outcome, []).extend(found)
+        lines += [f"set origin {0.5 * column},0", "set size 0.5,0.4", "unset title", "unset xlabel", "unset ylabel",
+                  "unset xtics", f"set xrange [-0.6:{longest - 0.4}]", f"set yrange [{-half + 0.4}:0.6]",
+                  f"set ytics ({tics}) scale 0 font ',10' norotate", "set lmargin 37", "set rmargin 1", "set bmargin 2.5",
+                  "set tmargin 1"]
+        if column == 0:
+            lines.append("set key at screen 0.985,0.09 right center vertical font ',12' samplen 1.5")
+        data, plots = tiles(f"s{column}", places, (0.44, 0.4), column == 0)
+        lines += data + ["plot " + ", ".join(plots), "unset key"]
+    return lines
 
 
 def stability(results, charts):
-    """Outcome over pairs of parameters: a column for each pair, a row for each method."""
+    """Outcome over pairs of settings, the library above the textbook method; the other cells in strips."""
     rows = read(results, "stability_map")
     if not rows:
         return
-    pairs = list(dict.fromkeys((r["axis_x"], r["axis_y"]) for r in rows))
-    methods = list(dict.fromkeys(r["method"] for r in rows))
+    counts = {}
+    for r in rows:
+        name = "reference" if str(r["method"]).startswith("reference") else "libdiffaqua"
+        counts.setdefault(name, []).append(r["outcome"])
+    title = "Far beyond reason: " + "; ".join(
+        f"{name} is right in {found.count('accurate')} of {len(found)} cases, says so in {found.count('reported')} and is "
+        f"wrong in silence in {found.count('silent') + found.count('nan')}" for name, found in counts.items())
     path = charts / "stability.svg"
-    defects = {m: sum(r["method"] == m and r["outcome"] in ("silent", "nan") for r in rows) for m in methods}
-    title = "Stability: wrong without a word in " + ", ".join(
-        f"{defects[m]} of {sum(r['method'] == m for r in rows)} cases ({m})" for m in methods)
-    lines = header(path, title, 90 + 290 * len(pairs), 80 + 300 * len(methods), f"{len(methods)},{len(pairs)}")
-    lines += ["unset grid", "set lmargin 9"]
-    block = 0
-    for method in methods:
-        for x, y in pairs:
-            group = [r for r in rows if r["method"] == method and (r["axis_x"], r["axis_y"]) == (x, y)]
-            xs, ys = (sorted({r[k] for r in rows if (r["axis_x"], r["axis_y"]) == (x, y)})
-                      for k in ("value_x", "value_y"))
-            tics = lambda values: ", ".join(f"'{v:.3g}' {k}" for k, v in enumerate(values))
-            lines += [f"set title \"{escape(method)}\" font ',12'", f"set xlabel \"{escape(x)}\"",
-                      f"set ylabel \"{escape(y)}\"", f"set xrange [-0.6:{len(xs) - 0.4}]",
-                      f"set yrange [-0.6:{len(ys) - 0.4}]", f"set xtics ({tics(xs)}) rotate by -40 font ',10'",
-                      f"set ytics ({tics(ys)}) font ',10'"]
-            plots = []
-            for outcome, (colour, mark, label) in OUTCOMES.items():
-                at = [(xs.index(r["value_x"]), ys.index(r["value_y"])) for r in group if r["outcome"] == outcome]
-                block += 1
-                lines += [f"$b{block} << EOD"] + [f"{a} {b}" for a, b in at or [(-9, -9)]] + ["EOD"]
-                plots.append(f"$b{block} using 1:2 with points pt {mark} ps 1.3 lw 2 lc rgb '{colour}' "
-                             f"title \"{label}\"")
-            lines.append("plot " + ", ".join(plots))
-    gnuplot(lines + ["unset multiplot"])
+    lines = header(path, title, 1320, 1240, "1,1") + ["unset grid", "unset key", "set border 0", "unset colorbox"]
+    lines = [line for line in lines if not line.startswith("set multiplot")]
+    wrapped = "\\n".join(textwrap.wrap(escape(title), 150))
+    lines += [f"set multiplot title \"{wrapped}\" font ',15'", "set lmargin 9", "set rmargin 0.2", "set bmargin 5",
+              "set tmargin 1.5"]
+    gnuplot(lines + stability_panels(rows) + stability_strips(rows) + ["unset multiplot"])
     print(f"charts: {path}")
 
 
@@ -384,7 +485,7 @@ def main():
     jobs = {f"work_precision_{s}": lambda s=s: work_precision(options.results, options.charts, s) for s in SCENES}
     jobs |= {f"rollout_{s}": lambda s=s: rollout(options.results, options.charts, s) for s in SCENES}
     jobs |= {f.__name__: lambda f=f: f(options.results, options.charts)
-             for f in (threshold, scaling, barycenter, schedule, stability)}
+             for f in (threshold, adjoint, scaling, barycenter, schedule, stability)}
     for name in options.names:
         if name not in jobs:
             sys.exit(f"charts: there is no chart '{name}'; there are {', '.join(jobs)}")
