@@ -364,7 +364,8 @@ PANELS = [("young_modulus", "time_step"), ("contraction", "time_step"), ("flow",
           ("occupancy_floor", "threshold"), ("sigma", "separation")]
 OURS = ("newton_pcg", "newton")  # of scenes, of barycentres
 AXES = {"young_modulus": "Young's modulus (Pa)", "time_step": "time step (s)",
-        "contraction": "contraction at full stroke", "flow": "flow (body lengths/s)", "occupancy_floor": "stiffness of the void", "threshold": "threshold of cells",
+        "contraction": "contraction at full stroke", "flow": "flow (body lengths/s)",
+        "occupancy_floor": "stiffness of the void", "threshold": "threshold of cells",
         "sigma": "width of the kernel (cells)", "separation": "separation (cells)", "none": ""}
 
 
@@ -374,14 +375,14 @@ def value_text(axis, value):
     return sci(value) if value and (abs(value) >= 1e4 or abs(value) < 5e-3) else f"{value:g}"
 
 
-def tiles(name, places, half, keys):
-    """Gnuplot data and plots of tiles: places by outcome, half a tile's width and height, whether with keys."""
+def tiles(name, places, half):
+    """Gnuplot data and plots of tiles: places by outcome, half a tile's width and height."""
     lines, plots = [], []
-    for outcome, (colour, letter, label) in OUTCOMES.items():
+    for outcome, (colour, letter, _) in OUTCOMES.items():
         block = f"${name}_{outcome}"
         lines += [f"{block} << EOD"] + [f'{x:g} {y:g} "{letter}"' for x, y in places.get(outcome) or [(-99, -99)]] + ["EOD"]
         plots.append(f"{block} using 1:2:({half[0]}):({half[1]}) with boxxyerror fs solid 1.0 noborder "
-                     f"lc rgb '{colour}' " + (f"title \"{label}\"" if keys else "notitle"))
+                     f"lc rgb '{colour}' notitle")
         if letter:
             plots.append(f"{block} using 1:2:3 with labels font ',9' tc rgb '#ffffff' notitle")
     return lines, plots
@@ -397,6 +398,9 @@ def places_of(rows, place):
 def stability_panels(rows):
     """A row of panels of the library, and one of the textbook method, a column for each pair of axes."""
     lines, number = [], 0
+    for k, (colour, _, text) in enumerate(OUTCOMES.values()):
+        lines.append(f"set label {k + 1} \"■ {text}\" at screen {(0.05, 0.37, 0.61, 0.79)[k]},0.408 left font ',12' "
+                     f"tc rgb '{colour}'")
     for line, (name, wanted) in enumerate((("libdiffaqua", OURS), ("reference", ("reference",)))):
         for column, (x, y) in enumerate(PANELS):
             every = [r for r in rows if (r["axis_x"], r["axis_y"]) == (x, y)]
@@ -411,9 +415,9 @@ def stability_panels(rows):
                 marks = ", ".join(f"'{value_text(label, v)}' {k}" for k, v in enumerate(values))
                 lines.append(f"set {axis}tics ({marks}) scale 0 font ',9'" + (" rotate by -50" if axis == "x" else ""))
             data, plots = tiles(f"p{number}", places_of(group, lambda r: (xs.index(r["value_x"]), ys.index(r["value_y"]))),
-                                (0.47, 0.47), False)
+                                (0.47, 0.47))
             number += 1
-            lines += data + ["plot " + ", ".join(plots)]
+            lines += data + ["plot " + ", ".join(plots)] + [f"unset label {k + 1}" for k in range(len(OUTCOMES))]
     return lines
 
 
@@ -446,10 +450,8 @@ def stability_strips(rows):
                   "unset xtics", f"set xrange [-0.6:{longest - 0.4}]", f"set yrange [{-half + 0.4}:0.6]",
                   f"set ytics ({tics}) scale 0 font ',10' norotate", "set lmargin 37", "set rmargin 1", "set bmargin 2.5",
                   "set tmargin 1"]
-        if column == 0:
-            lines.append("set key at screen 0.985,0.09 right center vertical font ',12' samplen 1.5")
-        data, plots = tiles(f"s{column}", places, (0.44, 0.4), column == 0)
-        lines += data + ["plot " + ", ".join(plots), "unset key"]
+        data, plots = tiles(f"s{column}", places, (0.44, 0.4))
+        lines += data + ["plot " + ", ".join(plots)]
     return lines
 
 

@@ -170,7 +170,8 @@ const Variant kFactorDouble{"factor double", [](Trial& t) {
                             }};
 const Variant kReference{"", [](Trial& t) {
                              t.reference = true;
-                             t.scene.tolerance = 1e-8;
+                             t.scene.quadrature = dqa::Quadrature::full;
+                             t.scene.tolerance = t.scene.adjoint_tolerance = 1e-8;
                              t.scene.max_linear = 500;
                          }};
 // As the examples of the paper run it.
