@@ -7,7 +7,7 @@
 namespace dqa {
 namespace {
 
-constexpr int kGrain = 2048;  // entries of a chunk: the unit of ordered sums
+constexpr int kGrain = 4096;  // entries of a chunk: the unit of ordered sums
 
 }  // namespace
 

@@ -82,14 +82,17 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
 void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs) {
     if (free_ == RigidBalance::Free::none) return;
     const std::vector<double>& mass = design_->mass();
-    const RigidBalance whole(free_, mass, piece_, q);
+    const RigidBalance whole(free_, mass, piece_, q, threads_);
     apply_hessian(lambda_.data(), trial_.data());
-    double size2 = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        trial_[i] -= rhs[i];
-        size2 += mass[i / 3] * lambda_[i] * lambda_[i];
-    }
-    const std::vector<double> sums = whole.sums(trial_.data());
+    const double size2 = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        double sum = 0.0;
+        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+            trial_[i] -= rhs[i];
+            sum += mass[i / 3] * lambda_[i] * lambda_[i];
+        }
+        return sum;
+    });
+    const std::vector<double> sums = whole.sums(trial_.data(), threads_);
     const double way = beta_ * beta_ * ordered_norm(sums.data(), sums.size());
     if (way <= kAdjointBalance * scene_.adjoint_tolerance * std::sqrt(size2)) return;
     std::vector<double> d(size_, 0.0);

@@ -13,7 +13,8 @@
 // Where that fails, another method takes over (rescue.cpp): another way to the same equations, so that the answer and
 // its derivative mean the same; the report and a warning tell of it.
 //
-// Adjoint: H(q+) lambda = q+_bar + v+_bar / b, then the cotangents of everything the residual depends on.
+// Adjoint (step_adjoint.cpp): H(q+) lambda = q+_bar + v+_bar / b, then the cotangents of everything the residual
+// depends on.
 #pragma once
 
 #include <array>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "grid/error.hpp"
+#include "grid/node_gather.hpp"
 #include "linalg/pcg.hpp"
 #include "linalg/sparse.hpp"
 #include "motion/design.hpp"
@@ -80,7 +82,11 @@ private:
     Evaluation evaluate(const double* q_new, const double* signals);
     // f(begin, end) on chunks of the nodes' coordinates.
     template <class F>
-    void on_coordinates(F&& f) const;
+    void on_coordinates(F&& f) const {
+        parallel_chunks(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+            f(3 * static_cast<std::size_t>(begin), 3 * static_cast<std::size_t>(end));
+        });
+    }
     double apply_hessian(const double* p, double* out);  // of the free coordinates, the identity on the others; p.out
     double full_product(const double* p, double* out);   // of all coordinates; p.out
     void precondition(const double* in, double* out);

@@ -144,7 +144,7 @@ private:
             scene.name.c_str(), design.set().n_cells(), threads.count, part, bytes / 1024, 1e-3 * bytes / bound, bound,
             time, time / bound, one / time);
         std::fflush(stdout);
-        csv_.row("%s,%s,%d,%s,%d,%.1f,%.2f,%.2f,%.2f,%.2f,%.3f\n", scene.name.c_str(), scene.grid_text().c_str(),
+        csv_.row("%s,%s,%d,%s,%d,%.1f,%.2f,%.4f,%.4f,%.4f,%.3f\n", scene.name.c_str(), scene.grid_text().c_str(),
                  design.set().n_cells(), part, threads.count, bytes / 1024, 1e-3 * bytes / bound, bound, time,
                  time / bound, one / time);
     }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Runs a benchmark on a small scene and checks its columns and that errors are what each method promises; no timings.
 
-    check_bench.py step|rollout PROGRAM
+    check_bench.py step|rollout|parts PROGRAM
     check_bench.py schedule CODESIGN
     check_bench.py charts
 """
@@ -20,7 +20,10 @@ STEP = ("scene,grid,active_cells,threshold,method,integrator,precision,tolerance
         "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib")
 ROLLOUT = ("scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,checkpoint_mib,forward_ms,backward_ms,"
            "loss,loss_error,gradient_error,peak_mib")
-WORDS = {"scene", "grid", "method", "integrator", "precision"}
+ADJOINT = ("scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,"
+           "gradient_error")
+PARTS = "scene,grid,active_cells,part,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up"
+WORDS = {"scene", "grid", "method", "integrator", "precision", "part"}
 
 
 def require(good, *what):
@@ -42,8 +45,8 @@ def rows_of(program, header, *options):
             if key not in WORDS:
                 row[key] = float(text)
                 require(math.isfinite(row[key]), key, "is", text, "in", row)
-        for key in ("active_cells", "forward_ms", "backward_ms", "tolerance", "threads", "peak_mib"):
-            require(row[key] > 0, key, "is", row[key], "in", row)
+        for key in ("active_cells", "forward_ms", "backward_ms", "tolerance", "threads", "peak_mib", "time_us"):
+            require(row.get(key, 1) > 0, key, "is", row.get(key), "in", row)
     return rows
 
 
@@ -94,6 +97,32 @@ def step(program):
     for threshold, estimate, state, gradient in errors:
         require(0.1 * estimate <= state <= estimate, "at threshold", threshold, "an error of", state, "of", estimate)
         require(0 < gradient, "no error of the gradient at threshold", threshold)
+    adjoints(program)
+
+
+def adjoints(program):
+    """Adjoints solved more exactly cost more, and help until the error of the states is all that is left."""
+    rows = rows_of(program, ADJOINT, "--sweep", "adjoint", "--scenes", "eel", "--grid", "24x8x8", "--repeat", "1",
+                   "--steps", "2")
+    for tolerance in (1e-6, 1e-10):
+        error = {r["adjoint_tolerance"]: r["gradient_error"] for r in rows if r["tolerance"] == tolerance}
+        work = [r["adjoint_iterations"] for r in rows if r["tolerance"] == tolerance]
+        require(len(error) == 10 and work == sorted(work) and work[0] < work[-1], "rows of", tolerance, work, error)
+        require(error[1e-3] > 10 * error[1e-12], "the tolerance of adjoints does not matter:", error)
+        require(error[tolerance] <= 3 * error[1e-12] + tolerance, "adjoints at the tolerance of states add:", error)
+
+
+def parts(program):
+    rows = rows_of(program, PARTS, "--quick", "--scenes", "eel", "--grid", "24x8x8", "--threads", "1,2")
+    names = ["body", "water", "multilevel", "factor", "vectors", "iteration", "forces"]
+    require([(r["threads"], r["part"]) for r in rows] == [(t, n) for t in (1, 2) for n in names], "rows of", rows)
+    for r in rows:
+        require(r["kib"] > 0 and r["bound_us"] > 0, r)
+        require(abs(r["times_bound"] / (r["time_us"] / r["bound_us"]) - 1) <= 0.05, "times_bound of", r)
+        require(r["threads"] > 1 or r["speed_up"] == 1, "speed-up of", r)
+    of = {r["part"]: r["time_us"] for r in rows if r["threads"] == 1}
+    total = sum(of[n] for n in ("body", "water", "multilevel", "vectors"))
+    require(abs(of["iteration"] / total - 1) <= 0.01, "an iteration is not the sum of its parts:", of)
 
 
 def rollout(program):
@@ -204,4 +233,4 @@ def charts(_=None):
 
 
 if __name__ == "__main__":
-    {"step": step, "rollout": rollout, "schedule": compared, "charts": charts}[sys.argv[1]](*sys.argv[2:3])
+    {"step": step, "rollout": rollout, "parts": parts, "schedule": compared, "charts": charts}[sys.argv[1]](*sys.argv[2:3])
