@@ -67,8 +67,8 @@ void test_small_motions_of_neo_hookean_bodies() {
         }
 }
 
-// With three iterations allowed the scene's method fails at every step, and the other one answers: as Newton's method and
-// direct solves do where they have time, and with the same derivative.
+// With three iterations allowed the scene's method fails at every step, and the other one answers: as Newton's method
+// and direct solves do where they have time, and with the same derivative.
 void test_same_answer() {
     SceneSettings scene = tight_scene();
     scene.max_newton = 3;
@@ -113,6 +113,7 @@ void test_snapping_body() {
     SceneSettings scene;
     scene.time_step = 1.0 / 15.0;
     scene.contraction = 0.4;
+    scene.threshold = 0.02;
     const auto design = make_design(scene, {0.5, 0.5}, slender_space());
     const Swim got = swim(design, 6);
     print_message("%d of 6 steps rescued, %d iterations, %d products\n", got.rescued, got.newton, got.linear);
