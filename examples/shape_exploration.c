@@ -4,21 +4,24 @@
  * triangle, twelve shapes between them, and the muscles of all of them, as one picture.
  * `shape_exploration --help` lists the options.
  */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "support/census.h"
+#include "support/checkpoint.h"
+#include "support/exhibit.h"
 #include "support/gallery.h"
+#include "support/hash.h"
 #include "support/interrupt.h"
+#include "support/memory_text.h"
 #include "support/options.h"
 #include "support/output.h"
 #include "support/plot.h"
 #include "support/progress.h"
 #include "support/say.h"
 #include "support/scene.h"
-#include "support/stl.h"
 #include "support/summary.h"
 
 #define SIDE 4                                 /* steps along a side of the triangle */
@@ -29,7 +32,7 @@
 #define ROWS 0.68    /* between rows, relative to that */
 #define ROOM 0.5     /* around the triangle, in lengths */
 #define LEAST_OVERLAP 0.97
-#define MUSCLE_SHARE 0.25 /* of the stiffest cell of a category: what counts as muscle in the picture */
+#define MAGIC "shape_exploration checkpoint 1\n"
 
 static const char help[] =
     "usage: shape_exploration [options] [mesh mesh mesh]\n"
@@ -43,12 +46,14 @@ static const char help[] =
     "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.4)\n"
     "  --out DIR         folder of the results (./shape_exploration-out)\n"
     "  --quick           a coarse version, within a minute\n"
+    "  --resume          continue an interrupted run in DIR; give the other options again\n"
     "  --threads N       results do not depend on it (number of processors, at most 16)\n"
     "  --help            this text\n"
     "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted.\n";
+    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
 
-static const char* const words[] = {"--bases-file", "--grid", "--sigma", "--out", "--quick", "--threads", NULL};
+static const char* const words[] = {"--bases-file", "--grid",   "--sigma",   "--out",
+                                    "--quick",      "--resume", "--threads", NULL};
 static const char* const shapes[] = {"clownfish.stl", "manta_ray.stl", "stingray.stl", NULL};
 
 static const options_form form = {.program = "shape_exploration",
@@ -60,23 +65,86 @@ static const options_form form = {.program = "shape_exploration",
                                   .shipped = {{60, 54, 14}, 1, 1, 0, 0.4},
                                   .user = {{60, 54, 14}, 1, 1, 0, 0.4}};
 
-/* What is known of a shape. */
-typedef struct shape {
-    double weights[3];
-    double volume;  /* m^3 */
-    double largest; /* share of its largest part */
-    double overlap; /* with the base that it should give back; negative: it is none */
-    double seconds;
-    int64_t body_cells, parts, muscle_cells;
-} shape;
-
 typedef struct job {
     options o;
     scene s;
     progress p;
-    shape shapes[N_SHAPES];
-    gallery bodies, muscles;
+    char* settings; /* that the checkpoint belongs to */
+    exhibit shapes[N_SHAPES];
+    int finished; /* of them */
 } job;
+
+/* ------------------------------------------------------------------ checkpoint */
+/* The finished shapes, behind the settings they belong to and before a checksum of both. */
+static char* checkpoint_text(const job* w) {
+    memory_text t;
+    memory_text_begin(&t);
+    memory_text_add(&t, "%s%s", MAGIC, w->settings);
+    for (int k = 0; k < w->finished; ++k) {
+        const exhibit* s = &w->shapes[k];
+        memory_text_add(&t, "shape %a %a %a %a %" PRId64 " %" PRId64 " %" PRId64 "\n", s->volume, s->largest,
+                        s->overlap, s->seconds, s->body_cells, s->parts, s->muscle_cells);
+    }
+    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : hash_bytes(t.text, t.length));
+    if (!t.failed) return t.text;
+    memory_text_end(&t);
+    (void)say_no_memory();
+    return NULL;
+}
+
+static int save_checkpoint(const job* w) {
+    output_file file;
+    char* text = checkpoint_text(w);
+    int outcome = text != NULL ? output_open(&file, w->o.out, CHECKPOINT_FILE) : FAILED;
+    if (outcome == DONE) {
+        fputs(text, file.stream);
+        outcome = output_commit(&file);
+    }
+    free(text);
+    return outcome;
+}
+
+static int read_shapes(job* w, const char* at) {
+    for (w->finished = 0; w->finished < N_SHAPES && strncmp(at, "shape ", 6) == 0; ++w->finished) {
+        exhibit* s = &w->shapes[w->finished];
+        double numbers[7];
+        at += 6;
+        for (int i = 0; i < 7; ++i) {
+            char* end = NULL;
+            numbers[i] = strtod(at, &end);
+            if (end == at) return FAILED;
+            at = end;
+        }
+        s->volume = numbers[0], s->largest = numbers[1], s->overlap = numbers[2], s->seconds = numbers[3];
+        s->body_cells = (int64_t)numbers[4], s->parts = (int64_t)numbers[5], s->muscle_cells = (int64_t)numbers[6];
+        at += strspn(at, "\n");
+    }
+    return strncmp(at, "checksum ", 9) == 0 ? DONE : FAILED;
+}
+
+static int load_checkpoint(job* w) {
+    char* path = output_path(w->o.out, CHECKPOINT_FILE);
+    const size_t head = strlen(MAGIC) + strlen(w->settings), tail = strlen("checksum 0123456789abcdef\n");
+    size_t size = 0;
+    char *text = path != NULL ? memory_text_read(path, &size) : NULL, sum[32] = "";
+    int outcome = DONE;
+    free(path);
+    if (text == NULL) return FAILED;
+    if (size >= tail) (void)snprintf(sum, sizeof sum, "checksum %016" PRIx64 "\n", hash_bytes(text, size - tail));
+    if (size < tail || strcmp(text + size - tail, sum) != 0 || strncmp(text, MAGIC, strlen(MAGIC)) != 0) {
+        say("the checkpoint in %s is damaged or of another version; start without --resume", w->o.out);
+        outcome = FAILED;
+    } else if (size < head + tail || strncmp(text + strlen(MAGIC), w->settings, strlen(w->settings)) != 0) {
+        say("the checkpoint in %s belongs to other settings; give the same options again", w->o.out);
+        outcome = USAGE;
+    } else if (read_shapes(w, text + head) != DONE) {
+        say("the checkpoint in %s does not hold what it should; start without --resume", w->o.out);
+        outcome = FAILED;
+    }
+    free(text);
+    if (outcome == DONE) say("continuing after shape %d", w->finished);
+    return outcome;
+}
 
 /* ------------------------------------------------------------------ a shape */
 /* The first base at the top, the second at the lower left, the third at the lower right. */
@@ -97,172 +165,44 @@ static uint32_t colour_of(const double* weights) {
     return colour;
 }
 
-static int measure(job* w, shape* out) {
-    const int32_t* cells = w->o.grid;
-    const int64_t n = (int64_t)cells[0] * cells[1] * cells[2];
-    double* density = malloc((size_t)n * sizeof *density);
-    double* base = malloc((size_t)n * sizeof *base);
-    int outcome = density != NULL && base != NULL ? DONE : say_no_memory();
-    if (outcome == DONE)
-        outcome = say_status(dqa_shape_space_density(w->s.space, out->weights, 3, density, n), "interpolate a shape");
-    if (outcome == DONE) {
-        out->parts = census_parts(density, cells, &out->largest);
-        if (out->parts < 0) outcome = FAILED;
-    }
-    out->overlap = -1.0;
-    for (int32_t b = 0; b < 3 && outcome == DONE; ++b) {
-        if (out->weights[b] < 1.0) continue;
-        outcome = say_status(dqa_shape_space_get_base(w->s.space, b, base, n), "read a base");
-        if (outcome == DONE) out->overlap = census_overlap(density, base, n);
-    }
-    free(density);
-    free(base);
+/* ------------------------------------------------------------------ the triangle */
+static int write_polygons(const job* w, int k, gallery* bodies, gallery* muscles) {
+    char name[64];
+    char* data = output_path(w->o.out, PLOT_FOLDER);
+    int created = 0, outcome = data != NULL ? output_folder(data, &created) : FAILED;
+    (void)snprintf(name, sizeof name, "body_%02d.dat", k + 1);
+    if (outcome == DONE) outcome = gallery_write(bodies, data, name);
+    (void)snprintf(name, sizeof name, "muscles_%02d.dat", k + 1);
+    if (outcome == DONE) outcome = gallery_write(muscles, data, name);
+    free(data);
     return outcome;
 }
 
-static int draw_body(job* w, const shape* of, const char* name) {
-    int64_t n_vertices = 0, n_triangles = 0;
-    double place[2], *vertices = NULL;
-    int32_t* triangles = NULL;
-    int outcome = say_status(dqa_simulator_surface(w->s.simulator, NULL, 0, NULL, 0, &n_vertices, &n_triangles),
-                             "read the surface");
-    if (outcome != DONE) return outcome;
-    vertices = malloc((size_t)n_vertices * 3 * sizeof *vertices);
-    triangles = malloc((size_t)n_triangles * 3 * sizeof *triangles);
-    if (vertices == NULL || triangles == NULL) outcome = say_no_memory();
-    if (outcome == DONE)
-        outcome = say_status(
-            dqa_simulator_surface(w->s.simulator, vertices, 3 * n_vertices, triangles, 3 * n_triangles, NULL, NULL),
-            "read the surface");
-    place_of(of->weights, place);
-    if (outcome == DONE)
-        outcome = gallery_add_surface(&w->bodies, vertices, n_vertices, triangles, n_triangles, place,
-                                      colour_of(of->weights));
-    /* Beside the muscles: a veil that lets them show through. */
-    if (outcome == DONE)
-        outcome = gallery_add_surface(&w->muscles, vertices, n_vertices, triangles, n_triangles, place, 0xccb0bcc4u);
-    if (outcome == DONE) outcome = stl_write(w->o.out, name, vertices, triangles, n_triangles);
-    free(vertices);
-    free(triangles);
-    return outcome;
-}
-
-/* ------------------------------------------------------------------ muscles */
-typedef struct muscle_cells {
-    int64_t n_nodes, n_cells, n_fibres;
-    double *q, *stiffness, *of_cell;
-    int32_t *nodes, *cells, *signals, *category;
-} muscle_cells;
-
-static void muscle_cells_free(muscle_cells* m) {
-    free(m->q);
-    free(m->stiffness);
-    free(m->of_cell);
-    free(m->nodes);
-    free(m->cells);
-    free(m->signals);
-    free(m->category);
-}
-
-static int read_muscles(const job* w, muscle_cells* m) {
-    dqa_simulator_info info;
-    const dqa_simulator* simulator = w->s.simulator;
-    int outcome = say_status(dqa_simulator_get_info(simulator, &info, sizeof info), "read the simulator");
-    if (outcome == DONE)
-        outcome = say_status(dqa_simulator_muscles(simulator, NULL, NULL, NULL, 0, NULL, 0, NULL, 0, &m->n_fibres),
-                             "count the muscles");
-    if (outcome != DONE) return outcome;
-    m->n_nodes = info.n_nodes;
-    m->n_cells = info.n_active_cells;
-    m->q = malloc((size_t)m->n_nodes * 3 * sizeof *m->q);
-    m->nodes = malloc((size_t)m->n_cells * 8 * sizeof *m->nodes);
-    m->of_cell = calloc((size_t)m->n_cells, sizeof *m->of_cell);
-    m->category = malloc((size_t)m->n_cells * sizeof *m->category);
-    m->cells = malloc((size_t)(m->n_fibres + 1) * sizeof *m->cells);
-    m->signals = malloc((size_t)(m->n_fibres + 1) * sizeof *m->signals);
-    m->stiffness = malloc((size_t)(m->n_fibres + 1) * sizeof *m->stiffness);
-    if (m->q == NULL || m->nodes == NULL || m->of_cell == NULL || m->category == NULL || m->cells == NULL ||
-        m->signals == NULL || m->stiffness == NULL)
-        return say_no_memory();
-    outcome = say_status(dqa_simulator_get_state(simulator, m->q, 3 * m->n_nodes, NULL, 0), "read the nodes");
-    if (outcome == DONE)
-        outcome =
-            say_status(dqa_simulator_mesh(simulator, m->nodes, 8 * m->n_cells, NULL, 0, NULL, 0), "read the cells");
-    if (outcome == DONE)
-        outcome = say_status(dqa_simulator_muscles(simulator, m->cells, m->signals, NULL, m->n_fibres, NULL, 0,
-                                                   m->stiffness, m->n_fibres, NULL),
-                             "read the muscles");
-    return outcome;
-}
-
-/* The cells that are muscle, with the category of most of their stiffness (-1: no muscle). */
-static int choose_cells(const job* w, muscle_cells* m) {
-    double most[16] = {0.0};
-    for (int64_t c = 0; c < m->n_cells; ++c) m->category[c] = -1;
-    for (int64_t k = 0; k < m->n_fibres; ++k) {
-        dqa_signal_info signal;
-        const int32_t c = m->cells[k];
-        if (say_status(dqa_shape_space_signal(w->s.space, m->signals[k], &signal, sizeof signal), "read a signal") !=
-            DONE)
-            return FAILED;
-        if (m->stiffness[k] > m->of_cell[c]) {
-            m->of_cell[c] = m->stiffness[k];
-            m->category[c] = signal.category;
-        }
-        most[signal.category] = fmax(most[signal.category], m->stiffness[k]);
-    }
-    for (int64_t c = 0; c < m->n_cells; ++c)
-        if (m->category[c] >= 0 && m->of_cell[c] < MUSCLE_SHARE * most[m->category[c]]) m->category[c] = -1;
-    return DONE;
-}
-
-static int draw_muscles(job* w, shape* of) {
-    /* Corner = 4 ix + 2 iy + iz; every face counter-clockwise from outside. */
-    static const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
-    muscle_cells m;
+static int make_shape(job* w, int k) {
+    exhibit* shape = &w->shapes[k];
+    const double started = progress_clock();
+    gallery bodies = {0}, muscles = {0};
+    char stl[64];
     double place[2];
     int outcome;
-    memset(&m, 0, sizeof m);
-    outcome = read_muscles(w, &m);
-    if (outcome == DONE) outcome = choose_cells(w, &m);
-    place_of(of->weights, place);
-    for (int64_t c = 0; c < m.n_cells && outcome == DONE; ++c) {
-        const int32_t* nodes = m.nodes + 8 * c;
-        const double y = 0.5 * (m.q[3 * nodes[0] + 1] + m.q[3 * nodes[7] + 1]);
-        const uint32_t colour = m.category[c] == 0 ? 0xd0483cu : y > 0.0 ? 0x2f9e62u : 0x3a68c4u;
-        if (m.category[c] < 0) continue;
-        ++of->muscle_cells;
-        for (int f = 0; f < 6 && outcome == DONE; ++f) {
-            double corners[4][3];
-            for (int k = 0; k < 4; ++k) memcpy(corners[k], m.q + 3 * nodes[faces[f][k]], sizeof corners[k]);
-            outcome = gallery_add_face(&w->muscles, (const double(*)[3])corners, place, colour);
-        }
-    }
-    muscle_cells_free(&m);
-    return outcome;
-}
-
-/* ------------------------------------------------------------------ the triangle */
-static int make_shape(job* w, int k) {
-    shape* out = &w->shapes[k];
-    const double started = progress_clock();
-    char name[64];
-    dqa_simulator_info info;
-    int outcome;
+    place_of(shape->weights, place);
+    (void)snprintf(stl, sizeof stl, "shape_%02d.stl", k + 1);
     progress_stage(&w->p, PROGRESS_SETUP);
-    outcome = say_status(dqa_simulator_set_weights(w->s.simulator, out->weights, 3, progress_callback, &w->p),
+    outcome = say_status(dqa_simulator_set_weights(w->s.simulator, shape->weights, 3, progress_callback, &w->p),
                          "interpolate a shape");
-    if (outcome == DONE) outcome = measure(w, out);
-    (void)snprintf(name, sizeof name, "shape_%02d.stl", k + 1);
-    if (outcome == DONE) outcome = draw_body(w, out, name);
-    if (outcome == DONE) outcome = draw_muscles(w, out);
+    if (outcome == DONE) outcome = exhibit_measure(shape, &w->s, w->o.grid);
     if (outcome == DONE)
-        outcome = say_status(dqa_simulator_get_info(w->s.simulator, &info, sizeof info), "read the simulator");
+        outcome = exhibit_draw_body(&w->s, place, colour_of(shape->weights), &bodies, &muscles, w->o.out, stl);
+    if (outcome == DONE) outcome = exhibit_draw_muscles(shape, &w->s, place, &muscles);
+    if (outcome == DONE) outcome = write_polygons(w, k, &bodies, &muscles);
+    gallery_free(&bodies);
+    gallery_free(&muscles);
     if (outcome != DONE) return outcome;
-    out->volume = info.volume;
-    out->body_cells = info.n_body_cells;
-    out->seconds = progress_clock() - started;
-    return interrupted() ? INTERRUPTED : DONE;
+    shape->seconds = progress_clock() - started;
+    w->finished = k + 1;
+    outcome = save_checkpoint(w);
+    progress_shape(&w->p, k + 1, shape->seconds);
+    return outcome == DONE && interrupted() ? INTERRUPTED : outcome;
 }
 
 static void lay_out(job* w) {
@@ -283,7 +223,7 @@ static int write_history(const job* w) {
     for (int b = 0; b < 3; ++b) fprintf(file.stream, ",weight_%d", b + 1);
     fputs(",volume,body_cells,parts,largest_part,overlap_with_base,muscle_cells,seconds\n", file.stream);
     for (int k = 0; k < N_SHAPES; ++k) {
-        const shape* s = &w->shapes[k];
+        const exhibit* s = &w->shapes[k];
         fprintf(file.stream, "%d,%.17g,%.17g,%.17g,%.17g,%lld,%lld,%.17g,", k + 1, s->weights[0], s->weights[1],
                 s->weights[2], s->volume, (long long)s->body_cells, (long long)s->parts, s->largest);
         if (s->overlap >= 0.0) fprintf(file.stream, "%.17g", s->overlap);
@@ -294,12 +234,7 @@ static int write_history(const job* w) {
 
 static int write_picture(job* w, int* drawn) {
     output_file file;
-    int created = 0;
-    char* data = output_path(w->o.out, PLOT_FOLDER);
-    int outcome = data != NULL ? output_folder(data, &created) : FAILED;
-    if (outcome == DONE) outcome = gallery_write(&w->bodies, data, "bodies.dat");
-    if (outcome == DONE) outcome = gallery_write(&w->muscles, data, "muscles.dat");
-    if (outcome == DONE) outcome = output_open(&file, w->o.out, SCRIPT);
+    int outcome = output_open(&file, w->o.out, SCRIPT);
     if (outcome == DONE) {
         FILE* f = file.stream;
         const double most = SPACING * SIDE + ROOM, high = ROWS * SPACING * SIDE + ROOM;
@@ -323,15 +258,15 @@ static int write_picture(job* w, int* drawn) {
                 fprintf(f, " at %.4g,%.4g,0 center noenhanced font ',16' tc rgb '#404040'\n",
                         place[0] + (b == 0 ? 0.85 : 0.0), place[1] - (b == 0 ? 0.0 : 0.42));
             }
-            fprintf(f, "splot '" PLOT_FOLDER "/%s.dat' using 1:2:(0):3 with pm3d lc rgb variable\n",
-                    side == 0 ? "bodies" : "muscles");
+            for (int k = 0; k < N_SHAPES; ++k)
+                fprintf(f, "%s'" PLOT_FOLDER "/%s_%02d.dat' using 1:2:(0):3 with pm3d lc rgb variable",
+                        k == 0 ? "splot " : ", \\\n      ", side == 0 ? "body" : "muscles", k + 1);
+            fputc('\n', f);
         }
         fputs("unset multiplot\nset output\n", f);
         outcome = output_commit(&file);
     }
-    if (outcome == DONE) outcome = plot_draw(w->o.out, PICTURE, SCRIPT, drawn);
-    free(data);
-    return outcome;
+    return outcome == DONE ? plot_draw(w->o.out, PICTURE, SCRIPT, drawn) : outcome;
 }
 
 static int write_summary(const job* w, double least_overlap, int64_t most_parts) {
@@ -361,7 +296,7 @@ static int write_summary(const job* w, double least_overlap, int64_t most_parts)
     json_close(&j, ']');
     json_open(&j, "shapes", '[');
     for (int k = 0; k < N_SHAPES; ++k) {
-        const shape* s = &w->shapes[k];
+        const exhibit* s = &w->shapes[k];
         json_open(&j, NULL, '{');
         summary_numbers(&j, "weights", s->weights, 3);
         json_number(&j, "volume", s->volume);
@@ -392,14 +327,11 @@ static int work(job* w) {
     int drawn = 0, outcome;
     progress_begin(&w->p, N_SHAPES, 0);
     w->p.seconds[PROGRESS_FORWARD] = w->p.seconds[PROGRESS_BACKWARD] = 0.0;
-    lay_out(w);
     outcome = scene_create(&w->s, &w->o, &w->p);
-    for (int k = 0; k < N_SHAPES && outcome == DONE; ++k) {
-        outcome = make_shape(w, k);
-        if (outcome != DONE) break;
+    for (int k = w->finished; k < N_SHAPES && outcome == DONE; ++k) outcome = make_shape(w, k);
+    for (int k = 0; k < w->finished; ++k) {
         if (w->shapes[k].overlap >= 0.0) least = fmin(least, w->shapes[k].overlap);
         if (w->shapes[k].parts > most) most = w->shapes[k].parts;
-        progress_shape(&w->p, k + 1, w->shapes[k].seconds);
     }
     progress_stage(&w->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = write_history(w);
@@ -418,23 +350,38 @@ static int work(job* w) {
     return fflush(stdout) == 0 && !ferror(stdout) ? DONE : FAILED;
 }
 
+static int prepare(job* w, int* created) {
+    int outcome;
+    /* Without muscles of the user's own, fins where the geometry has them. */
+    if (w->o.list.n_actuators == 0) w->o.laws.automatic_fins = 1;
+    w->settings = checkpoint_settings(&w->o);
+    if (w->settings == NULL) return FAILED;
+    lay_out(w);
+    if (w->o.resume && !checkpoint_exists(w->o.out)) {
+        say("there is no checkpoint in %s to resume from; start without --resume", w->o.out);
+        return USAGE;
+    }
+    outcome = w->o.resume ? load_checkpoint(w) : output_folder(w->o.out, created);
+    if (outcome == DONE) output_remove(w->o.out, SUMMARY_FILE);
+    return outcome == DONE && !w->o.resume ? save_checkpoint(w) : outcome;
+}
+
 int main(int argc, char** argv) {
     static job w;
     int action = OPTIONS_RUN, created = 0, outcome;
     say_program(form.program);
     outcome = options_parse(&w.o, &form, argc, argv, &action);
     if (outcome == DONE && action == OPTIONS_RUN) {
-        /* Without muscles of the user's own, fins where the geometry has them. */
-        if (w.o.list.n_actuators == 0) w.o.laws.automatic_fins = 1;
-        outcome = output_folder(w.o.out, &created);
-        if (outcome == DONE) output_remove(w.o.out, SUMMARY_FILE);
+        outcome = prepare(&w, &created);
         if (outcome == DONE) outcome = work(&w);
-        if (outcome == INTERRUPTED) say("interrupted; nothing is kept, as all of it takes a minute");
+        if (outcome == INTERRUPTED) {
+            say("interrupted after shape %d of %d", w.finished, N_SHAPES);
+            options_say_resume(argc, argv);
+        }
         scene_free(&w.s);
-        gallery_free(&w.bodies);
-        gallery_free(&w.muscles);
         if (created) (void)rmdir(w.o.out);
     }
+    free(w.settings);
     options_free(&w.o);
     return outcome;
 }

@@ -191,7 +191,7 @@ static int read_line(reader* r, char* line) {
 }
 
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context) {
-    reader r = {path, 0, -1, b, add_mesh, context};
+    reader r = {path, 0, b->n_bases - 1, b, add_mesh, context};
     char line[LINE_SIZE];
     FILE* stream = fopen(path, "r");
     int outcome = DONE;
@@ -213,10 +213,11 @@ int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const 
         outcome = FAILED;
     }
     (void)fclose(stream);
-    if (outcome == DONE && r.base < 0) {
+    if (outcome == DONE && r.base < b->n_bases) {
         say("the list %s names no base; a block begins with a line \"base mesh.stl\"", path);
         outcome = USAGE;
     }
+    b->n_bases = r.base + 1;
     return outcome;
 }
 
@@ -234,5 +235,5 @@ int bases_add_actuators(const bases* b, const char* path, dqa_shape_space* space
 void bases_free(bases* b) {
     free(b->actuators);
     b->actuators = NULL;
-    b->n_actuators = 0;
+    b->n_actuators = b->n_bases = 0;
 }

@@ -26,12 +26,13 @@ typedef struct bases_actuator {
 } bases_actuator;
 
 typedef struct bases {
+    int32_t n_bases; /* of all lists read so far */
     int32_t n_actuators;
     bases_actuator* actuators;
 } bases;
 
-/* Reads a list; add_mesh is called with the path of every mesh, in order. Returns DONE, or USAGE or FAILED (said, with
- * the number of the line). */
+/* Reads a list, after any read before; add_mesh is called with the path of every mesh, in order. Returns DONE, or USAGE
+ * or FAILED (said, with the number of the line). */
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context);
 /* Gives a space, whose bases are the meshes of the list and whose cell size is set, the actuators. */
 int bases_add_actuators(const bases* b, const char* path, dqa_shape_space* space);

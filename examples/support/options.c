@@ -331,6 +331,29 @@ static int read_list(options* o, const given* g) {
     return bases_read(&o->list, g->bases_file, add_listed_mesh, o);
 }
 
+static int add_shipped(options* o, char* path) {
+    const int outcome = path != NULL ? add_mesh(o, path) : FAILED;
+    free(path);
+    return outcome;
+}
+
+/* A shipped mesh, with the muscles of the list of its name where there is one. */
+static int add_shape(options* o, const char* name) {
+    char list[64];
+    char* path;
+    int outcome;
+    (void)snprintf(list, sizeof list, "%.*s.txt", (int)strcspn(name, "."), name);
+    if (!shapes_has(list)) {
+        ++o->list.n_bases;
+        return add_shipped(o, shapes_named(name));
+    }
+    path = shapes_named(list);
+    outcome = path != NULL ? bases_read(&o->list, path, add_listed_mesh, o) : FAILED;
+    free(path);
+    o->bases_file = "the list that comes with the shape";
+    return outcome;
+}
+
 static int resolve_meshes(options* o, const given* g) {
     const char* const* shapes = o->form->shapes;
     int32_t n_weights = 0, n_shapes = shapes_count();
@@ -339,11 +362,8 @@ static int resolve_meshes(options* o, const given* g) {
         for (n_shapes = 0; shapes[n_shapes] != NULL;) ++n_shapes;
     if (o->n_meshes == 0) {
         o->shipped = 1;
-        for (int32_t i = 0; i < n_shapes && outcome == DONE; ++i) {
-            char* path = shapes != NULL ? shapes_named(shapes[i]) : shapes_path(i);
-            outcome = path != NULL ? add_mesh(o, path) : FAILED;
-            free(path);
-        }
+        for (int32_t i = 0; i < n_shapes && outcome == DONE; ++i)
+            outcome = shapes != NULL ? add_shape(o, shapes[i]) : add_shipped(o, shapes_path(i));
         if (outcome != DONE) return outcome;
     }
     if (shapes != NULL && o->n_meshes != n_shapes) {

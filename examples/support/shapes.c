@@ -50,6 +50,13 @@ char* shapes_path(int32_t index) {
     return shapes_named(names[index]);
 }
 
+int shapes_has(const char* name) {
+    const char* chosen = getenv("DQA_SHAPES_DIR");
+    char path[4096];
+    return chosen != NULL && *chosen != '\0' ? readable(chosen, name, path, sizeof path)
+                                             : find(name, path, sizeof path);
+}
+
 char* shapes_named(const char* name) {
     const char* chosen = getenv("DQA_SHAPES_DIR");
     char path[4096];

@@ -11,5 +11,7 @@ int32_t shapes_count(void);
 char* shapes_path(int32_t index);
 /* The same of a file in that folder. */
 char* shapes_named(const char* name);
+/* 1 when the folder has the file. */
+int shapes_has(const char* name);
 
 #endif

@@ -1,0 +1,278 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The paper's experiments: test_experiments.py PROGRAM runs one of them with --quick, checks what it has to show from
+its own tables, and that it goes on bit for bit after a kill."""
+import glob
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import results
+
+PROGRAM = ""
+SHAPES = os.environ.get("DQA_SHAPES_DIR") or os.path.join(
+    os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
+TINY = {"open_loop": ["--grid", "24x8x8", "--steps", "3", "--iterations", "2", "--generations", "3"],
+        "shape_optimization": ["--grid", "20x8x10", "--steps", "3", "--iterations", "5"]}
+
+
+def name():
+    return os.path.basename(PROGRAM)
+
+
+def shipped(*names):
+    return all(os.path.exists(os.path.join(SHAPES, mesh)) for mesh in names)
+
+
+def arguments():
+    """The meshes to name: none where the program's own are there; None where there are none at all."""
+    if name() == "shape_optimization" and not shipped("great_white.stl", "orca.stl"):
+        data = os.environ.get("DQA_TEST_DATA", "")
+        found = [os.path.join(data, mesh) for mesh in ("GreatWhiteShark.stl", "Orca.stl")]
+        return found if all(map(os.path.exists, found)) else None
+    if name() == "shape_exploration" and not shipped("manta_ray.stl", "stingray.stl"):
+        return None
+    return []
+
+
+class Experiment(unittest.TestCase):
+    """A scratch folder, and the --quick run that all tests of a class read."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.root = tempfile.mkdtemp(prefix=name() + "-")
+        cls.out = os.path.join(cls.root, "quick")
+        cls.process = results.run(PROGRAM, "--quick", "--out", cls.out, *arguments(), timeout=1800)
+        if cls.process.returncode != 0:
+            shutil.rmtree(cls.root, ignore_errors=True)
+            raise AssertionError(f"exit code {cls.process.returncode}\n{cls.process.stderr}")
+        cls.summary = results.read_summary(cls.out)
+        print(f"{name()} --quick: {cls.summary['cpu_seconds']:.1f} s of processor time")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.root, ignore_errors=True)
+
+    def assert_shown(self, *claims):
+        for claim in claims:
+            self.assertTrue(self.summary["claims"][claim]["shown"], f"{claim}: {self.summary['claims'][claim]}")
+
+    def assert_files(self, *files):
+        for file in files:
+            self.assertIn(os.path.join(self.out, file), self.process.stdout)
+            self.assertGreater(os.path.getsize(os.path.join(self.out, file)), 0)
+        for where, _, names in os.walk(self.out):
+            self.assertFalse([file for file in names if file.endswith(".part")], where)
+        width, height, rows = results.read_png(os.path.join(self.out, name() + ".png"))
+        self.assertEqual(len(rows), height)
+        self.assertGreater(sum(pixel[:3] != b"\xff\xff\xff" for row in rows for pixel in row), 0.02 * width * height)
+
+
+class Trials(Experiment):
+    """What the experiments that optimise have in common."""
+
+    def trial(self, trial):
+        """Losses, columns by name, and the trial's part of the summary, which its table must agree with."""
+        names, rows = results.read_history(os.path.join(self.out, trial))
+        columns = {column: [float(row[k]) for row in rows] for k, column in enumerate(names)}
+        told = self.summary["trials"][trial]
+        self.assertEqual(told["iterations"], len(rows))
+        self.assertEqual(told["loss_best"], min(columns["loss"]))
+        self.assertEqual(told["loss_first"], columns["loss"][0])
+        self.assertEqual(told["simulations"], columns["simulations"][-1])
+        best = columns["loss"].index(min(columns["loss"]))
+        weights = [columns["weight_" + base][best] for base in self.summary["bases"]]
+        self.assertEqual(told["best"]["weights"], weights)
+        for k in range(len(rows)):
+            share = [columns["weight_" + base][k] for base in self.summary["bases"]]
+            self.assertAlmostEqual(sum(share), 1.0, delta=1e-9)
+            self.assertGreaterEqual(min(share), 0.0)
+        self.assertEqual(columns["simulations"], sorted(columns["simulations"]))
+        self.assertEqual(columns["cpu_seconds"], sorted(columns["cpu_seconds"]))
+        self.assertTrue(all(map(math.isfinite, columns["loss"])))
+        return columns, told
+
+    def check_proof(self):
+        for key, proof in self.summary["gradient_check"].items():
+            if isinstance(proof, dict):
+                self.assertLess(proof["relative_error"], 1e-6, key)
+
+    def histories(self, folder):
+        found = sorted(glob.glob(os.path.join(folder, "*", "history.csv")))
+        self.assertEqual(len(found), len(self.summary["trials"]))
+        return [results.history_without_seconds(os.path.dirname(path)) for path in found]
+
+    def interrupt(self, out, sent, trial):
+        """Starts a tiny run and sends the signal as soon as `trial` has its first row."""
+        process = subprocess.Popen([PROGRAM, *TINY[name()], "--out", out, *arguments()], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 300
+        while not os.path.exists(os.path.join(out, trial, "history.csv")) and process.poll() is None:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.002)
+        process.send_signal(sent)
+        message = process.communicate(timeout=300)[1]
+        return process.returncode, message
+
+    def check_resume(self, trials):
+        reference = os.path.join(self.root, "reference")
+        self.assertEqual(results.run(PROGRAM, *TINY[name()], "--out", reference, *arguments()).returncode, 0)
+        for k, trial in enumerate(trials):
+            for sent in (signal.SIGKILL, signal.SIGINT):
+                out = os.path.join(self.root, f"cut-{k}-{sent}")
+                code, message = self.interrupt(out, sent, trial)
+                # A run as short as this may be over before the signal comes.
+                self.assertIn(code, (-signal.SIGKILL, 0) if sent == signal.SIGKILL else (130, 0))
+                if code == 130:
+                    self.assertIn("--resume", message)
+                if code != 0:
+                    self.assertFalse(os.path.exists(os.path.join(out, "summary.json")))
+                again = results.run(PROGRAM, *TINY[name()], "--out", out, "--resume", *arguments())
+                self.assertEqual(again.returncode, 0, again.stderr)
+                self.assertEqual(self.histories(out), self.histories(reference))
+                with open(os.path.join(out, "design.stl"), "rb") as one, \
+                        open(os.path.join(reference, "design.stl"), "rb") as other:
+                    self.assertEqual(one.read(), other.read())
+        other = results.run(PROGRAM, *TINY[name()], "--out", reference, "--resume", "--steps", "4", *arguments())
+        self.assertEqual(other.returncode, 2)
+        self.assertIn("steps", other.stderr)
+
+
+class OpenLoop(Trials):
+    def test_shows_what_it_has_to(self):
+        self.assert_shown("vertical_eel", "stronger_signal", "below_shape_only", "below_control_only",
+                          "below_alternate", "below_cma_es")
+        columns = {trial: self.trial(trial) for trial in self.summary["trials"]}
+        ours, told = columns["ours"]
+        self.assertEqual(self.summary["bases"], ["eel_vertical", "eel_horizontal"])
+        self.assertGreaterEqual(told["best"]["weights"][0], 0.9)
+        self.assertGreater(told["best"]["control"][0], 0.5)
+        for other in ("shape_only", "control_only", "cma_es"):
+            self.assertLess(min(ours["loss"]), min(columns[other][0]["loss"]), other)
+        # All gradient methods start at the same design; each baseline moves only what it may.
+        for other in ("alternate", "shape_only", "control_only"):
+            self.assertEqual(columns[other][0]["loss"][0], ours["loss"][0])
+        self.assertEqual(len(set(columns["shape_only"][0]["a"])), 1)
+        self.assertEqual(len(set(columns["control_only"][0]["weight_eel_vertical"])), 1)
+        turns = columns["alternate"][0]
+        for k in range(1, len(turns["loss"])):
+            moved = turns["a"][k] != turns["a"][k - 1], turns["weight_eel_vertical"][k] != turns["weight_eel_vertical"][k - 1]
+            self.assertFalse(moved[(k + 1) % 2], f"iteration {k} moved what had no turn")
+        self.assertEqual(columns["cma_es"][1]["simulations"], 8 * columns["cma_es"][1]["iterations"])
+
+    def test_gradient_is_proven(self):
+        self.check_proof()
+
+    def test_files(self):
+        self.assert_files("open_loop.png", "summary.json", "ours/history.csv", "cma_es/history.csv", "swimmer.pvd",
+                          "design.stl", "controller.dqa")
+        results.read_stl(os.path.join(self.out, "design.stl"))
+
+    def test_resume(self):
+        self.check_resume(["alternate", "cma_es"])
+
+
+class ShapeOptimization(Trials):
+    def test_shows_what_it_has_to(self):
+        self.assert_shown("shark_from_orca", "shark_from_middle", "lower_from_orca", "lower_from_middle")
+        orca = None
+        for trial, first in (("from_orca", [0.0, 1.0]), ("from_middle", [0.5, 0.5])):
+            columns, told = self.trial(trial)
+            self.assertEqual(told["first"]["weights"], first)
+            orca = columns["loss"][0] if orca is None else orca
+            self.assertGreaterEqual(told["best"]["weights"][0], 0.9)
+            self.assertLess(told["loss_best"], orca)
+            self.assertEqual(len(set(columns["a"])), 1)
+
+    def test_gradient_is_proven(self):
+        self.check_proof()
+
+    def test_files(self):
+        self.assert_files("shape_optimization.png", "summary.json", "from_orca/history.csv", "swimmer.pvd",
+                          "design.stl")
+
+    def test_resume(self):
+        self.check_resume(["from_middle"])
+
+
+class ShapeExploration(Experiment):
+    def test_shows_what_it_has_to(self):
+        names, rows = results.read_history(self.out)
+        columns = {column: [row[k] for row in rows] for k, column in enumerate(names)}
+        self.assertEqual(len(rows), 15)
+        self.assertEqual(len({tuple(shape["weights"]) for shape in self.summary["shapes"]}), 15)
+        overlaps = [float(text) for text in columns["overlap_with_base"] if text]
+        self.assertEqual(len(overlaps), 3)
+        self.assertGreaterEqual(min(overlaps), 0.97)
+        self.assertEqual(set(columns["parts"]), {"1"})
+        self.assertGreater(min(map(int, columns["muscle_cells"])), 0)
+        self.assert_shown("bases_come_back", "one_part_each")
+        # Volumes between those of the bases, within what a coarse grid rounds.
+        volumes = [shape["volume"] for shape in self.summary["shapes"]]
+        corners = [shape["volume"] for shape in self.summary["shapes"] if max(shape["weights"]) == 1.0]
+        self.assertLess(max(volumes), 1.25 * max(corners))
+        self.assertGreater(min(volumes), 0.75 * min(corners))
+
+    def test_resume(self):
+        """Killed between shapes: the tables, the surfaces and the picture are those of the whole run."""
+        out = os.path.join(self.root, "cut")
+        process = subprocess.Popen([PROGRAM, "--quick", "--out", out], stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if line.startswith("shape 4/"):
+                process.kill()
+                break
+        process.stderr.close()
+        self.assertEqual(process.wait(), -signal.SIGKILL)
+        self.assertFalse(os.path.exists(os.path.join(out, "summary.json")))
+        other = results.run(PROGRAM, "--quick", "--out", out, "--resume", "--sigma", "0.6")
+        self.assertEqual(other.returncode, 2, other.stderr)
+        again = results.run(PROGRAM, "--quick", "--out", out, "--resume")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIn("continuing after shape", again.stderr)
+        for file in ["shape_exploration.png"] + [f"shape_{k:02d}.stl" for k in range(1, 16)]:
+            with open(os.path.join(out, file), "rb") as one, open(os.path.join(self.out, file), "rb") as other:
+                self.assertEqual(one.read(), other.read(), file)
+        without = [[row[:-1] for row in results.read_history(folder)[1]] for folder in (out, self.out)]
+        self.assertEqual(*without)
+
+    def test_files(self):
+        self.assert_files("shape_exploration.png", "history.csv", "summary.json")
+        for k in range(1, 16):
+            results.read_stl(os.path.join(self.out, f"shape_{k:02d}.stl"))
+
+
+class CommandLine(unittest.TestCase):
+    def test_refusals(self):
+        for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--quick", "no_such_mesh.stl"],
+                      ["--sigma", "0"]):
+            process = results.run(PROGRAM, *words)
+            self.assertEqual(process.returncode, 2, (words, process.stderr))
+            self.assertIn(name() + ":", process.stderr)
+        process = results.run(PROGRAM, "--help")
+        self.assertEqual(process.returncode, 0)
+        self.assertIn("usage: " + name(), process.stdout)
+
+
+def main():
+    global PROGRAM
+    if len(sys.argv) < 2:
+        sys.exit("usage: test_experiments.py PROGRAM [unittest options]")
+    PROGRAM = os.path.abspath(sys.argv[1])
+    if arguments() is None:
+        print("skipped: the shapes are neither shipped nor in the folder named by DQA_TEST_DATA")
+        return 77
+    cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration}
+    loader, suite = unittest.TestLoader(), unittest.TestSuite()
+    for case in (CommandLine, cases[name()]):
+        suite.addTests(loader.loadTestsFromTestCase(case))
+    return 0 if unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
