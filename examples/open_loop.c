@@ -12,9 +12,9 @@
 enum { OURS, ALTERNATE, SHAPE_ONLY, CONTROL_ONLY, CMA_ES };
 
 static const trial_plan trials[] = {
-    {.name = "ours", .label = "ours: all at once", .moves = RUN_BOTH},
+    {.name = "ours", .label = "ours", .moves = RUN_BOTH},
     /* As many steps of each as ours has. */
-    {.name = "alternate", .label = "shape and control in turn", .moves = RUN_IN_TURN, .times = 2},
+    {.name = "alternate", .label = "in turn", .moves = RUN_IN_TURN, .times = 2},
     {.name = "shape_only", .label = "shape only", .moves = RUN_WEIGHTS},
     {.name = "control_only", .label = "control only", .moves = RUN_CONTROL},
     {.name = "cma_es", .label = "CMA-ES", .moves = RUN_BOTH, .cma_es = 1},
@@ -80,10 +80,10 @@ static void curves(const experiment* e, FILE* f) {
     fputs("set xlabel 'simulations' offset 0,0.5\nset logscale x\n", f);
     plot_panel(f, "Lowest loss so far (m) over simulations", 0.075, 0.31);
     experiment_curves(e, f, simulations, 2, 1);
-    fputs("set xlabel 'processor time (s)' offset 0,0.5\nset key off\n", f);
+    fputs("set xlabel 'processor time (s)' offset 0,0.5\n", f);
     plot_panel(f, "The same over processor time", 0.385, 0.64);
     experiment_curves(e, f, seconds, 2, 1);
-    fputs("unset logscale x\nset xlabel 'iteration' offset 0,0.5\nset key on\nset yrange [-0.02:1.02]\n", f);
+    fputs("unset logscale x\nset xlabel 'iteration' offset 0,0.5\nset yrange [-0.02:1.02]\n", f);
     plot_panel(f, "Ours: design and signal", 0.715, 0.98);
     fprintf(f,
             "plot 'ours/history.csv' every ::1 using 1:%d with linespoints lt 1 pt 7 ps 0.6 title 'vertical eel', \\\n"

@@ -91,6 +91,8 @@ int trial_run(trial* t, scene* s, progress* p, int64_t before, int proves) {
     } else {
         if (t->r.iteration == 0) outcome = checkpoint_save(&t->r, t->settings, t->folder);
         if (outcome == DONE && proves && t->r.iteration == 0) outcome = descent_prove(&d);
+        /* The proof is no part of the optimisation. */
+        if (t->r.iteration == 0) t->r.cpu_before = -progress_cpu();
         while (outcome == DONE && t->r.iteration < end && !(t->converged = run_converged(&t->r)))
             outcome = interrupted() ? INTERRUPTED : descent_iterate(&d);
     }
