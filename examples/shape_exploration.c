@@ -63,7 +63,8 @@ static const options_form form = {.program = "shape_exploration",
                                   .shapes = shapes,
                                   .quick = {{30, 27, 8}, 1, 1, 0, 0.4},
                                   .shipped = {{60, 54, 14}, 1, 1, 0, 0.4},
-                                  .user = {{60, 54, 14}, 1, 1, 0, 0.4}};
+                                  .user = {{60, 54, 14}, 1, 1, 0, 0.4},
+                                  .lists = 1};
 
 typedef struct job {
     options o;

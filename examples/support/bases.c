@@ -221,13 +221,19 @@ int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const 
     return outcome;
 }
 
-int bases_add_actuators(const bases* b, const char* path, dqa_shape_space* space) {
+int bases_add_actuators(const bases* b, const char* path, const double* lengths, dqa_shape_space* space) {
     int outcome = DONE;
     for (int32_t i = 0; i < b->n_actuators && outcome == DONE; ++i) {
         const bases_actuator* a = &b->actuators[i];
+        const double length = lengths != NULL ? lengths[a->base] : 1.0;
+        dqa_actuator_options options = a->options;
         char doing[512];
+        for (int k = 0; k < 3; ++k) {
+            options.mean[k] *= length;
+            options.variance[k] *= length * length;
+        }
         (void)snprintf(doing, sizeof doing, "use the actuator in line %d of %s", a->line, path);
-        outcome = say_status(dqa_shape_space_add_actuator(space, a->base, &a->options), doing);
+        outcome = say_status(dqa_shape_space_add_actuator(space, a->base, &options), doing);
     }
     return outcome;
 }

@@ -34,8 +34,9 @@ typedef struct bases {
 /* Reads a list, after any read before; add_mesh is called with the path of every mesh, in order. Returns DONE, or USAGE
  * or FAILED (said, with the number of the line). */
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context);
-/* Gives a space, whose bases are the meshes of the list and whose cell size is set, the actuators. */
-int bases_add_actuators(const bases* b, const char* path, dqa_shape_space* space);
+/* Gives a space, whose bases are the meshes of the list and whose cell size is set, the actuators. lengths [bases] (m;
+ * NULL: 1 m each): of the animals, where the list describes them as if each were 1 m long. */
+int bases_add_actuators(const bases* b, const char* path, const double* lengths, dqa_shape_space* space);
 void bases_free(bases* b);
 
 #endif

@@ -11,6 +11,7 @@
 #include "output.h"
 #include "picture.h"
 #include "plot.h"
+#include "report_run.h"
 #include "results.h"
 #include "say.h"
 #include "summary.h"
@@ -134,7 +135,7 @@ static void list(const experiment* e, int drawn) {
         printf("%s: %s (%.6g, %s %.6g)\n", experiment_holds(c) ? "shown    " : "NOT SHOWN", c->says, c->value,
                c->at_least ? "at least" : "below", c->bound);
     }
-    printf("Files:\n");
+    printf("Files:\n  %s/%s  (opens in any browser)\n", out, REPORT_FILE);
     if (drawn) printf("  %s/%s  (made by %s)\n", out, e->plan->picture, e->plan->script);
     printf("  %s/%s\n", out, SUMMARY_FILE);
     for (int k = 0; k < e->n_trials; ++k) printf("  %s/%s/history.csv\n", out, e->trials[k].plan->name);
@@ -145,13 +146,18 @@ static int write_results(experiment* e, int* drawn) {
     motion first, best;
     int outcome;
     memset(&best, 0, sizeof best);
-    outcome = motion_record(&first, &e->s, e->trials[e->plan->first].r.row_x, &e->p);
+    outcome = motion_record(&first, &e->s, e->trials[e->plan->shown].r.row_x, &e->p);
     e->p.extra = 1;
-    if (outcome == DONE) outcome = motion_record(&best, &e->s, e->trials[e->plan->best].r.best_x, &e->p);
+    if (outcome == DONE) outcome = motion_record(&best, &e->s, e->trials[e->plan->shown].r.best_x, &e->p);
     e->p.extra = 0;
     progress_stage(&e->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = results_write(&e->s, &best, e->o.out);
     if (outcome == DONE) outcome = draw(e, &first, &best, drawn);
+    if (outcome == DONE) {
+        trial* shown = &e->trials[e->plan->shown];
+        shown->r.first_loss = shown->r.rows[0].loss;
+        outcome = report_run(e->plan->form->program, &shown->r, &shown->o, &e->s, &first, &best, e->command, e->o.out);
+    }
     if (outcome == DONE) {
         e->plan->claim(e);
         outcome = experiment_summary(e);
@@ -216,7 +222,8 @@ int experiment_main(const experiment_plan* plan, int argc, char** argv) {
     e->plan = plan;
     outcome = options_parse(&e->o, plan->form, argc, argv, &action);
     if (outcome == DONE && action == OPTIONS_RUN) {
-        outcome = prepare(e, &created);
+        e->command = options_command(argc, argv);
+        outcome = e->command != NULL ? prepare(e, &created) : FAILED;
         if (outcome == DONE) outcome = work(e);
         if (outcome == INTERRUPTED) {
             say("interrupted after %lld simulations", (long long)e->p.iteration);
@@ -228,6 +235,7 @@ int experiment_main(const experiment_plan* plan, int argc, char** argv) {
         if (created) remove_empty_folders(e);
     }
     options_free(&e->o);
+    free(e->command);
     free(e);
     return outcome;
 }

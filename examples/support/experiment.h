@@ -27,6 +27,7 @@ struct experiment_plan;
 
 typedef struct experiment {
     const struct experiment_plan* plan;
+    char* command; /* the line that started it */
     options o;
     scene s;
     progress p;
@@ -43,7 +44,7 @@ typedef struct experiment_plan {
     double theta[3];     /* a, omega (rad/s), phi (rad) at the start */
     const char* picture; /* its file */
     const char* script;
-    int first, best; /* trials whose first and best swimmers the picture shows */
+    int shown; /* trial whose first and best swimmers the picture and the report show */
     const char *first_label, *best_label;
     /* Appends the claims of the finished trials. */
     void (*claim)(experiment* e);

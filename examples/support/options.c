@@ -343,7 +343,7 @@ static int add_shape(options* o, const char* name) {
     char* path;
     int outcome;
     (void)snprintf(list, sizeof list, "%.*s.txt", (int)strcspn(name, "."), name);
-    if (!shapes_has(list)) {
+    if (!o->form->lists || !shapes_has(list)) {
         ++o->list.n_bases;
         return add_shipped(o, shapes_named(name));
     }

@@ -56,6 +56,7 @@ typedef struct options_form {
                                   many; NULL: all shipped ones, or any number of others */
     options_preset quick, shipped, user; /* with --quick, without meshes, with meshes of the user's own */
     int fixed_control;                   /* the controller stays as it is */
+    int lists; /* shipped meshes bring their lists of muscles, instead of those placed from the geometry */
 } options_form;
 
 extern const options_form options_codesign;

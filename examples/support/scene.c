@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "hash.h"
@@ -23,8 +24,26 @@ static int add_meshes(scene* s, const options* o) {
     return outcome;
 }
 
-/* Lengths of actuators need the size of a cell, which follows from the meshes: a first space finds it. */
-static int find_cell_size(scene* s, const options* o, dqa_shape_space_options* settings) {
+/* Length of a base along x, to a fraction of a cell: slices count as far as their fullest cell is covered. */
+static int length_of(const dqa_shape_space* space, int32_t base, const dqa_shape_space_info* info, double* length) {
+    double* cells = malloc((size_t)info->n_cells * sizeof *cells);
+    const int64_t slice = info->n_cells / info->cells_x;
+    int outcome = cells != NULL ? DONE : say_no_memory();
+    if (outcome == DONE)
+        outcome = say_status(dqa_shape_space_get_base(space, base, cells, info->n_cells), "read a base");
+    *length = 0.0;
+    for (int64_t x = 0; x < info->cells_x && outcome == DONE; ++x) {
+        double most = 0.0;
+        for (int64_t k = 0; k < slice; ++k) most = fmax(most, cells[x * slice + k]);
+        *length += most * info->cell_size;
+    }
+    free(cells);
+    return outcome;
+}
+
+/* Lengths of actuators need the size of a cell, and those of the lists that come with the shapes the length of each
+ * animal in its box [n_meshes]; both follow from the meshes: a first space finds them. */
+static int find_sizes(scene* s, const options* o, dqa_shape_space_options* settings, double* lengths) {
     dqa_shape_space_info info;
     int outcome = say_status(dqa_shape_space_create(settings, &s->space), "create the shape space");
     if (outcome == DONE) outcome = add_meshes(s, o);
@@ -32,6 +51,7 @@ static int find_cell_size(scene* s, const options* o, dqa_shape_space_options* s
     if (outcome == DONE)
         outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
     if (outcome == DONE) settings->cell_size = info.cell_size;
+    for (int32_t i = 0; i < o->n_meshes && outcome == DONE; ++i) outcome = length_of(s->space, i, &info, &lengths[i]);
     dqa_shape_space_free(s->space);
     s->space = NULL;
     return outcome;
@@ -39,6 +59,7 @@ static int find_cell_size(scene* s, const options* o, dqa_shape_space_options* s
 
 static int build_space(scene* s, const options* o, progress* p) {
     dqa_shape_space_options settings;
+    double lengths[OPTIONS_MAX_BASES];
     int outcome = say_status(dqa_shape_space_options_init(&settings, sizeof settings), "set up the shape space");
     if (outcome != DONE) return outcome;
     settings.cells_x = o->grid[0];
@@ -51,10 +72,10 @@ static int build_space(scene* s, const options* o, progress* p) {
     if (o->tolerance > 0.0) settings.tolerance *= o->tolerance / DEFAULT_TOLERANCE;
     physics_of_space(&o->laws, &settings);
     progress_stage(p, PROGRESS_SPACE);
-    if (o->list.n_actuators > 0) outcome = find_cell_size(s, o, &settings);
+    if (o->list.n_actuators > 0) outcome = find_sizes(s, o, &settings, lengths);
     if (outcome == DONE) outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
     if (outcome == DONE) outcome = add_meshes(s, o);
-    if (outcome == DONE) outcome = bases_add_actuators(&o->list, o->bases_file, s->space);
+    if (outcome == DONE) outcome = bases_add_actuators(&o->list, o->bases_file, o->shipped ? lengths : NULL, s->space);
     if (outcome == DONE)
         outcome = say_status(dqa_shape_space_build(s->space, progress_callback, p), "build the shape space");
     if (outcome == DONE) progress_stage_done(p);

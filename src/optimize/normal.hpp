@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Normal numbers by the polar method (Marsaglia & Bray 1964). The logarithm is our own: those of C libraries differ in
 // the last bit, and a search would take another way on another system. +, -, *, / and square roots round alike wherever
-// IEEE 754 holds.
+// IEEE 754 holds and the compiler fuses no products into sums, for which baseline x86-64 has no instruction.
 #pragma once
 
 #include <cmath>
