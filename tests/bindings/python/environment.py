@@ -52,11 +52,15 @@ def environment(folder):
 
 
 def outside():
-    """What installing could leave outside of the folder: the packages of the interpreters, and of the user."""
-    places = {site.getusersitepackages(), sysconfig.get_path("purelib"), "/usr/lib/python3/dist-packages",
-              os.path.join(ROOT, "bindings", "python"),
-              os.path.join(ROOT, "bindings", "python", "src"), os.path.join(ROOT, "tests", "bindings", "python"), ROOT}
-    return {place: sorted(os.listdir(place)) for place in places if os.path.isdir(place)}
+    """What installing and testing could leave outside of the folder: packages of the interpreters and of the user, and in
+    the sources whatever builds and caches are called."""
+    installed = {site.getusersitepackages(), sysconfig.get_path("purelib"), "/usr/lib/python3/dist-packages"}
+    left = re.compile(r"__pycache__|.*\.(egg-info|dist-info|so|whl)|dist|_skbuild|\.\w+_cache")
+    found = {place: sorted(os.listdir(place)) for place in installed if os.path.isdir(place)}
+    for sources in ("bindings", "tests/bindings"):
+        for where, folders, names in os.walk(os.path.join(ROOT, sources)):
+            found[where] = sorted(name for name in folders + names if left.fullmatch(name))
+    return {place: names for place, names in found.items() if names}
 
 
 def run_pip(folder, *arguments):

@@ -24,6 +24,7 @@ from .controller import CallbackController, Controller, Perceptron, Sinusoid
 from .errors import (AccessError, ArgumentError, CancelledError, DiffaquaError, DivergedError, FileError, InternalError,
                      MeshError, NotConvergedError, OutOfMemoryError, StateError, UnsupportedError)
 from .optimize import adam_step, project_simplex
+from ._progress import ProgressBar
 from ._sweep import SweepError, sweep
 from .shape_space import CancelToken, ShapeSpace
 from .simulator import Mesh, Muscles, Simulator, Surface
@@ -50,7 +51,7 @@ __all__ = [
     "CancelledError", "Controller", "ControllerKind", "DiffaquaError", "DivergedError", "Faces", "FileError",
     "Integrator", "InternalError", "Interpolation", "LogLevel", "Material", "Mesh", "MeshError", "Method", "Muscles",
     "NotConvergedError", "Objective", "ObjectiveTerm", "OutOfMemoryError", "Peak", "Perceptron", "Precision",
-    "Preconditioner", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "SweepError", "Tape",
+    "Preconditioner", "ProgressBar", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "SweepError", "Tape",
     "UnsupportedError", "Up", "Water", "Wrt", "adam_step", "check_gradient", "errors", "features", "library_path",
     "project_simplex", "set_log_handler", "sweep", "__version__",
 ]
