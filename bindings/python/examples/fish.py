@@ -51,8 +51,8 @@ class Log:
         print(f"{self.count:3d}: travels {-1e3 * loss:7.2f} mm with {shares}, amplitude {theta[0]:.2f}, "
               f"{theta[1]:.1f} rad/s")
         if self.writer:
-            self.writer.add_scalar("loss (m)", loss, self.count)
-            for name, value in (("slim", w[0] / np.sum(w)), ("amplitude", theta[0]), ("omega (rad/s)", theta[1])):
+            self.writer.add_scalar("loss_m", loss, self.count)
+            for name, value in (("slim", w[0] / np.sum(w)), ("amplitude", theta[0]), ("omega_rad_per_s", theta[1])):
                 self.writer.add_scalar(name, value, self.count)
 
     def close(self):

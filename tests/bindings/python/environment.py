@@ -41,7 +41,7 @@ def environment(folder):
                         ("MPLCONFIGDIR", "matplotlib"), ("DASK_TEMPORARY_DIRECTORY", "dask")):
         values[name] = os.path.join(folder, place)
         os.makedirs(values[name], exist_ok=True)
-    values["PYTHONDONTWRITEBYTECODE"] = "1"
+    values["PYTHONPYCACHEPREFIX"] = os.path.join(folder, "bytecode")
     values["PYTHONNOUSERSITE"] = "1"
     values["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
     values["PATH"] = os.path.join(folder, "env", "bin") + os.pathsep + values.get("PATH", "")
@@ -94,7 +94,7 @@ def make(folder):
     os.makedirs(folder, exist_ok=True)
     subprocess.run([base, "-m", "venv", "--system-site-packages", os.path.join(folder, "env")], check=True,
                    env=environment(folder))
-    run_pip(folder, "install", "-q", "-r", REQUIREMENTS)
+    run_pip(folder, "install", "-q", "--no-compile", "-r", REQUIREMENTS)
     after = outside()
     if before != after:
         changed = [place for place in after if before.get(place) != after[place]]
@@ -114,7 +114,7 @@ def run(folder, test, arguments):
     values["PYTHONPATH"] = os.pathsep.join([os.path.join(ROOT, "bindings", "python", "src"), HERE])
     values["DQA_PYTHON_FOLDER"] = folder
     before = outside()
-    code = subprocess.run([python, "-B", test, *arguments], env=values, check=False,
+    code = subprocess.run([python, test, *arguments], env=values, check=False,
                           cwd=os.path.join(folder, "tmp")).returncode
     if outside() != before:
         print("the test left something outside of the build folder")

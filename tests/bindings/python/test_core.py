@@ -484,6 +484,31 @@ class Everything(unittest.TestCase):
         with self.assertRaises(dq.UnsupportedError):
             dq.CallbackController(lambda *_: [0.0], n_signals=1).save("nowhere")
 
+    def test_search(self):
+        target = np.array([0.3, -2.0, 40.0])
+        search = dq.CmaEs([0.0, 0.0, 0.0], scales=[1.0, 1.0, 20.0], seed=3)
+        with self.assertRaises(dq.StateError):
+            search.best()
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "search.dqa")
+            for generation in range(60):
+                points = search.ask()
+                np.testing.assert_array_equal(points, search.ask())
+                search.tell(np.sum(((points - target) / [1, 1, 20])**2, axis=1))
+                if generation == 30:
+                    search.save(path)
+                    search = dq.CmaEs.load(path)
+        x, value = search.best()
+        np.testing.assert_allclose(x, target, rtol=1e-4)
+        self.assertLess(value, 1e-8)
+        np.testing.assert_allclose(search.mean, target, rtol=1e-4)
+        self.assertEqual((search.info().generation, search.info().n), (60, 3))
+        search.ask()
+        with self.assertRaisesRegex(dq.ArgumentError, "values"):
+            search.tell([1.0])
+        with self.assertRaisesRegex(dq.ArgumentError, "scales: expected shape"):
+            dq.CmaEs([0.0], scales=[1.0, 2.0])
+
     def test_version(self):
         with open(os.path.join(os.environ["DQA_ROOT"], "capi", "diffaqua.h"), encoding="utf-8") as file:
             numbers = re.findall(r"#define DQA_VERSION_(?:MAJOR|MINOR|PATCH) +(\d+)", file.read())

@@ -37,7 +37,7 @@ class Examples(unittest.TestCase):
     def descends(self, name, *arguments):
         with tempfile.TemporaryDirectory() as folder:
             text = run(os.path.join(ROOT, "bindings", "python", "examples", name), "--tensorboard", folder, *arguments)
-            losses = scalars(folder)["loss (m)"]
+            losses = scalars(folder)["loss_m"]
         printed = [float(value) for value in re.findall(r"travels +(-?\d+\.\d+) mm", text)]
         self.assertEqual(len(printed), len(losses))
         for value, loss in zip(printed, losses):

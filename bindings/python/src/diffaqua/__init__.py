@@ -23,7 +23,7 @@ from .constants import (Actuator, ControllerKind, Faces, Integrator, Interpolati
 from .controller import CallbackController, Controller, Perceptron, Sinusoid
 from .errors import (AccessError, ArgumentError, CancelledError, DiffaquaError, DivergedError, FileError, InternalError,
                      MeshError, NotConvergedError, OutOfMemoryError, StateError, UnsupportedError)
-from .optimize import adam_step, project_simplex
+from .optimize import CmaEs, adam_step, project_simplex
 from ._progress import ProgressBar
 from ._sweep import SweepError, sweep
 from .shape_space import CancelToken, ShapeSpace
@@ -48,7 +48,7 @@ def set_log_handler(handler: Callable[[int, str], object] | None, level: int = L
 
 __all__ = [
     "AccessError", "Actuator", "ActuatorOptions", "Adjoint", "ArgumentError", "CallbackController", "CancelToken",
-    "CancelledError", "Controller", "ControllerKind", "DiffaquaError", "DivergedError", "Faces", "FileError",
+    "CancelledError", "CmaEs", "Controller", "ControllerKind", "DiffaquaError", "DivergedError", "Faces", "FileError",
     "Integrator", "InternalError", "Interpolation", "LogLevel", "Material", "Mesh", "MeshError", "Method", "Muscles",
     "NotConvergedError", "Objective", "ObjectiveTerm", "OutOfMemoryError", "Peak", "Perceptron", "Precision",
     "Preconditioner", "ProgressBar", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "SweepError", "Tape",

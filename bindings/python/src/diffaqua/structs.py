@@ -94,6 +94,14 @@ class TermOptions(TypedDict, total=False):
     epsilon: float
 
 
+class SearchOptions(TypedDict, total=False):
+    """Keyword arguments of CmaEs: dqa_cma_es_options."""
+
+    population: int
+    seed: int
+    sigma: float
+
+
 @dataclass(frozen=True)
 class ActuatorOptions:
     """A muscle region as a Gaussian: mean (m), variance (m^2), euler (rad), each [3]. dqa_actuator_options."""
@@ -219,13 +227,27 @@ class GradientReport:
     step: float
 
 
+@dataclass(frozen=True)
+class SearchInfo:
+    """dqa_cma_es_info."""
+
+    asked: int
+    n: int
+    population: int
+    generation: int
+    evaluations: int
+    sigma: float
+    widest: float
+    axis_ratio: float
+
+
 #: The struct of the header that each record or set of options stands for.
 STRUCTS: dict[type, str] = {
     SpaceOptions: "dqa_shape_space_options", SimulatorOptions: "dqa_simulator_options",
     PerceptronOptions: "dqa_mlp_options", TermOptions: "dqa_objective_term", ActuatorOptions: "dqa_actuator_options",
     SpaceInfo: "dqa_shape_space_info", SignalInfo: "dqa_signal_info", SimulatorInfo: "dqa_simulator_info",
     ActuatorInfo: "dqa_actuator_info", ControllerInfo: "dqa_controller_info", TapeStatistics: "dqa_tape_statistics",
-    GradientReport: "dqa_gradient_check_report",
+    GradientReport: "dqa_gradient_check_report", SearchOptions: "dqa_cma_es_options", SearchInfo: "dqa_cma_es_info",
 }
 
 
