@@ -67,7 +67,7 @@ AT(dqa_signal_info, layer, 12)
 AT(dqa_signal_info, group, 16)
 AT(dqa_signal_info, padding, 20)
 
-SIZE(dqa_simulator_options, 264)
+SIZE(dqa_simulator_options, 272)
 AT(dqa_simulator_options, struct_size, 0)
 AT(dqa_simulator_options, flags, 4)
 AT(dqa_simulator_options, threads, 8)

@@ -309,7 +309,7 @@ static dqa_shape_space* space_of(int s, double cell, bases* list) {
     (void)snprintf(path, sizeof path, "%s/%s.txt", DQA_SHAPES_DIR, shapes[s].name);
     memset(list, 0, sizeof *list);
     assert_int_equal(bases_read(list, path, add_mesh, space), DONE);
-    if (cell > 0.0) assert_int_equal(bases_add_actuators(list, path, space), DONE);
+    if (cell > 0.0) assert_int_equal(bases_add_actuators(list, path, NULL, space), DONE);
     if (dqa_shape_space_build(space, NULL, NULL) != DQA_SUCCESS) fail_msg("%s: %s", path, dqa_last_error());
     return space;
 }
