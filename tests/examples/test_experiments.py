@@ -31,8 +31,9 @@ def shipped(*names):
 
 
 def arguments():
-    """The meshes to name: none where the program's own are there; None where there are none at all."""
-    if name() == "shape_optimization" and not shipped("great_white.stl", "orca.stl"):
+    """The meshes to name; None where there are none."""
+    if name() == "shape_optimization":
+        # On the coarse grid of --quick the shipped animals both drift backwards, the orca less; the real ones tell.
         data = os.environ.get("DQA_TEST_DATA", "")
         found = [os.path.join(data, mesh) for mesh in ("GreatWhiteShark.stl", "Orca.stl")]
         return found if all(map(os.path.exists, found)) else None
