@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Shape and control by SciPy's L-BFGS-B: weights need not be normalised, only stay positive; the amplitude is bounded."""
+"""Shape and control by SciPy's L-BFGS-B: weights need not be normalised, only stay positive; bounds keep the rest."""
 import numpy as np
 from scipy.optimize import minimize
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Shape and control by torch.optim.Adam: shares are a softmax, the amplitude a sigmoid, so that no bound is in the way."""
+"""Shape and control by torch.optim.Adam: shares are a softmax, the amplitude is a sigmoid: no bounds in the way."""
 import torch
 
 import fish

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The virtual environment of the Python tests: made once inside the build folder, where everything that pip and the tests
-write stays as well.
+"""The virtual environment of the Python tests: made once inside the build folder, where everything that pip and the
+tests write stays as well.
 
     environment.py FOLDER --make             installs requirements.txt, unless it is there; 77 without a registry
     environment.py FOLDER TEST [ARGUMENTS]   runs a test with it; 77 when it could not be made
@@ -52,8 +52,8 @@ def environment(folder):
 
 
 def outside():
-    """What installing and testing could leave outside of the folder: packages of the interpreters and of the user, and in
-    the sources whatever builds and caches are called."""
+    """What installing and testing could leave outside of the folder: packages of the interpreters and of the user, and
+    in the sources whatever builds and caches are called."""
     installed = {site.getusersitepackages(), sysconfig.get_path("purelib"), "/usr/lib/python3/dist-packages"}
     left = re.compile(r"__pycache__|.*\.(egg-info|dist-info|so|whl)|dist|_skbuild|\.\w+_cache")
     found = {place: sorted(os.listdir(place)) for place in installed if os.path.isdir(place)}

@@ -11,8 +11,8 @@ import diffaqua as dq
 
 
 def swim(task):
-    """(folder, index, deadly): the loss of a design that the index chooses. A note in the folder counts the runs; a deadly
-    task kills its worker when it runs first."""
+    """(folder, index, deadly): the loss of a design that the index chooses. A note in the folder counts the runs; a
+    deadly task kills its worker when it runs first."""
     import scene
     folder, index, deadly = task
     with open(os.path.join(folder, f"{index}.runs"), "a", encoding="utf-8") as file:

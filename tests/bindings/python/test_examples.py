@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The examples run and descend, their TensorBoard logs hold what they print, and the README's lines work when pasted."""
+"""The examples run and descend, their TensorBoard logs hold what they print, and the README's lines work when
+pasted."""
 import glob
 import os
 import re
@@ -13,7 +14,8 @@ ROOT = os.environ["DQA_ROOT"]
 
 
 def run(*command, **settings):
-    done = subprocess.run([sys.executable, *command], capture_output=True, text=True, timeout=600, check=False, **settings)
+    done = subprocess.run([sys.executable, *command], capture_output=True, text=True, timeout=600, check=False,
+                          **settings)
     if done.returncode:
         raise AssertionError(done.stderr)
     return done.stdout

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""`pip install ./bindings/python` into a fresh environment builds the library and works; so does the wheel in another one,
-away from the sources. The version is the header's."""
+"""`pip install ./bindings/python` into a fresh environment builds the library and works; so does the wheel in another
+one, away from the sources. The version is the header's."""
 import os
 import re
 import shutil
@@ -62,7 +62,8 @@ class Wheel(unittest.TestCase):
         with tempfile.TemporaryDirectory() as elsewhere:
             found, library = run(python, "-c", PROGRAM, where=elsewhere).split()
         self.assertEqual(found, version())
-        self.assertTrue(os.path.realpath(library).startswith(os.path.realpath(os.path.dirname(os.path.dirname(python)))))
+        environment = os.path.realpath(os.path.dirname(os.path.dirname(python)))
+        self.assertTrue(os.path.realpath(library).startswith(environment))
 
     def test_from_sources_then_as_wheel(self):
         python = fresh("sources")
@@ -70,7 +71,8 @@ class Wheel(unittest.TestCase):
         self.works(python)
         wheels = os.path.join(FOLDER, "wheels")
         shutil.rmtree(wheels, ignore_errors=True)
-        run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", self.build, "-w", wheels, SOURCES)
+        run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", self.build, "-w", wheels,
+            SOURCES)
         name, = os.listdir(wheels)
         self.assertRegex(name, rf"^diffaqua-{re.escape(version())}-py3-none-linux_\w+\.whl$")
         with zipfile.ZipFile(os.path.join(wheels, name)) as wheel:

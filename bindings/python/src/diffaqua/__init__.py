@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Co-design of soft underwater swimmers: shape space, simulator, controllers, tapes, gradients.
 
-Thin over the C interface of libdiffaqua, whose header diffaqua.h explains every quantity. Arrays are NumPy's, of doubles,
-and lengths are SI units. Long calls take progress(done, total); a true result or an exception stops them, and so does
-Ctrl-C. Objects are closed by close(), by `with`, or when nothing refers to them.
+Thin over the C interface of libdiffaqua, whose header diffaqua.h explains every quantity. Arrays are NumPy's, of
+doubles, and lengths are SI units. Long calls take progress(done, total); a true result or an exception stops them, and
+so does Ctrl-C. Objects are closed by close(), by `with`, or when nothing refers to them.
 
     diffaqua.torch, diffaqua.jax   a rollout, or a step, as a differentiable function
     diffaqua.gym                   an environment for reinforcement learning
@@ -19,7 +19,7 @@ from ._library import lib as _lib
 from ._library import path as library_path
 from ._library import text as _text
 from .constants import (Actuator, ControllerKind, Faces, Integrator, Interpolation, LogLevel, Material, Method,
-                        Objective, Peak, Precision, Preconditioner, Seed, Side, Up, Water, Wrt)
+                        Objective, Peak, Precision, Preconditioner, Quadrature, Seed, Side, Up, Water, Wrt)
 from .controller import CallbackController, Controller, Perceptron, Sinusoid
 from .errors import (AccessError, ArgumentError, CancelledError, DiffaquaError, DivergedError, FileError, InternalError,
                      MeshError, NotConvergedError, OutOfMemoryError, StateError, UnsupportedError)
@@ -51,7 +51,8 @@ __all__ = [
     "CancelledError", "CmaEs", "Controller", "ControllerKind", "DiffaquaError", "DivergedError", "Faces", "FileError",
     "Integrator", "InternalError", "Interpolation", "LogLevel", "Material", "Mesh", "MeshError", "Method", "Muscles",
     "NotConvergedError", "Objective", "ObjectiveTerm", "OutOfMemoryError", "Peak", "Perceptron", "Precision",
-    "Preconditioner", "ProgressBar", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid", "StateError", "Surface", "SweepError", "Tape",
+    "Preconditioner", "ProgressBar", "Quadrature", "Seed", "ShapeSpace", "Side", "Simulator", "Sinusoid",
+    "StateError", "Surface", "SweepError", "Tape",
     "UnsupportedError", "Up", "Water", "Wrt", "adam_step", "check_gradient", "errors", "features", "library_path",
     "project_simplex", "set_log_handler", "sweep", "__version__",
 ]

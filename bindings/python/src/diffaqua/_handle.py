@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Objects of the library as Python objects: closed by close(), by leaving a `with` block, or when nothing refers to them
-any more, in any order. Calls on one object take turns, so that threads cannot break it."""
+"""Objects of the library as Python objects: closed by close(), by leaving a `with` block, or when nothing refers to
+them any more, in any order. Calls on one object take turns, so that threads cannot break it."""
 from __future__ import annotations
 
 import os

@@ -6,8 +6,8 @@ from typing import Any
 
 
 class ProgressBar:
-    """A tqdm bar as the `progress` of a call: simulator.rollout(..., progress=ProgressBar("swims")). One bar may serve many
-    calls after each other; arguments are tqdm's."""
+    """A tqdm bar as the `progress` of a call: simulator.rollout(..., progress=ProgressBar("swims")). One bar may serve
+    many calls after each other; arguments are tqdm's."""
 
     def __init__(self, description: str = "", **settings: Any) -> None:
         from tqdm.auto import tqdm

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Many tasks over the processes of any executor. Results are stored as they come; tasks whose worker died are tried again;
-a folder of results lets another run go on."""
+"""Many tasks over the processes of any executor. Results are stored as they come; tasks whose worker died are tried
+again; a folder of results lets another run go on."""
 from __future__ import annotations
 
 import hashlib
@@ -130,12 +130,12 @@ def sweep(tasks: Iterable[Any], function: Callable[[Any], Any], *, executor: Exe
           None, workers: int | None = None, folder: str | os.PathLike[str] | None = None, retries: int = 3,
           progress: Progress | None = None) -> list[Any]:
     """[function(task) for task in tasks], by the worker processes of an executor, in any order; the results are in the
-    order of the tasks. Tasks, results and the function (by name: of a module, not of a cell) must be picklable; simulators
-    are not, so the function builds its own.
+    order of the tasks. Tasks, results and the function (by name: of a module, not of a cell) must be picklable;
+    simulators are not, so the function builds its own.
 
-    executor    any concurrent.futures.Executor, such as Dask's client.get_executor() or mpi4py.futures.MPIPoolExecutor();
-                a function that makes one, which is then made anew when its workers die; None: a pool of `workers`
-                spawned processes (default: one for each processor), made anew as well
+    executor    any concurrent.futures.Executor, such as Dask's client.get_executor() or
+                mpi4py.futures.MPIPoolExecutor(); a function that makes one, which is then made anew when its workers
+                die; None: a pool of `workers` spawned processes (default: one for each processor), made anew as well
     folder      where every result is stored as it comes. A later call with the same tasks takes from it what is there
                 and computes the rest. Whoever may write to the folder may run code here: results are pickles
     retries     how often a task is tried again whose worker died. A task that raises is not tried again

@@ -79,6 +79,13 @@ class Material(IntEnum):
     NEO_HOOKEAN = 2
 
 
+class Quadrature(IntEnum):
+    """Points a cell at which elastic energies are integrated: 2^dims, or one with hourglass control."""
+
+    FULL = 0
+    REDUCED = 1
+
+
 class Water(IntEnum):
     """Inside the implicit step, explicit for comparison, or none."""
 
@@ -149,7 +156,8 @@ class LogLevel(IntEnum):
 PREFIXES: dict[type[IntEnum], str] = {
     Peak: "DQA_PEAK_", Up: "DQA_UP_", Interpolation: "DQA_INTERPOLATION_", Actuator: "DQA_ACTUATOR_",
     Side: "DQA_SIDE_", Method: "DQA_METHOD_", Preconditioner: "DQA_PRECONDITIONER_", Precision: "DQA_PRECISION_",
-    Integrator: "DQA_INTEGRATOR_", Material: "DQA_MATERIAL_", Water: "DQA_WATER_", Faces: "DQA_FACES_",
+    Integrator: "DQA_INTEGRATOR_", Material: "DQA_MATERIAL_", Quadrature: "DQA_QUADRATURE_", Water: "DQA_WATER_",
+    Faces: "DQA_FACES_",
     ControllerKind: "DQA_CONTROLLER_", Objective: "DQA_OBJECTIVE_", Seed: "DQA_SEED_", Wrt: "DQA_WRT_",
     LogLevel: "DQA_LOG_",
 }

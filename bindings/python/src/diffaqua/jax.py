@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""JAX: a rollout, or a step, as a function that jax.grad, jax.jit and jax.vmap take; vmap runs one after another. Results
-have the type of the first argument: enable jax_enable_x64 for doubles. Gradients are of first order and reverse mode."""
+"""JAX: a rollout, or a step, as a function that jax.grad, jax.jit and jax.vmap take; vmap runs one after another.
+Results have the type of the first argument: enable jax_enable_x64 for doubles. Gradients are of first order and reverse
+mode."""
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -37,9 +37,9 @@ def project_simplex(x: ArrayLike) -> Array:
 
 
 class CmaEs(Handle):
-    """CMA-ES: minimises a function of n numbers from its values alone. Options as in SearchOptions, e.g. CmaEs([0.5, 15.0],
-    scales=[0.3, 5.0], seed=1). The same options, seed and values give the same candidates to the bit. Unknowns are free;
-    the header says how bounds are kept."""
+    """CMA-ES: minimises a function of n numbers from its values alone. Options as in SearchOptions, e.g. CmaEs([0.5,
+    15.0], scales=[0.3, 5.0], seed=1). The same options, seed and values give the same candidates to the bit. Unknowns
+    are free; the header says how bounds are kept."""
 
     _what = "search"
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A rollout as a function of unnormalised weights and control, and a step as a function of state and actuation: with their
-pullbacks, in NumPy. What diffaqua.torch and diffaqua.jax hand to automatic differentiation."""
+"""A rollout as a function of unnormalised weights and control, and a step as a function of state and actuation: with
+their pullbacks, in NumPy. What diffaqua.torch and diffaqua.jax hand to automatic differentiation."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -92,8 +92,9 @@ class Rollout:
 
 
 class Step:
-    """(q, v, actuation) -> (q, v) after one step of the simulator's present design, for a control loop that lives outside
-    of the library. The clock stands at 0 in every step, so that currents over time do not pass; BDF2 starts anew."""
+    """(q, v, actuation) -> (q, v) after one step of the simulator's present design, for a control loop that lives
+    outside of the library. The clock stands at 0 in every step, so that currents over time do not pass; BDF2 starts
+    anew."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator

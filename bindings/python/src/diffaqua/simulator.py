@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """Where the density is half its peak: vertices [n][dims] (m), elements [m][dims] (triangles, or segments in 2-D)."""
+    """Where the density is half its peak: vertices [n][dims] (m), elements [m][dims] (triangles, or segments in
+    2-D)."""
 
     vertices: Array
     elements: IntArray

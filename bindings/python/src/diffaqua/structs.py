@@ -71,6 +71,7 @@ class SimulatorOptions(TypedDict, total=False):
     surface_smoothing: float
     water_faces: int
     preconditioner_precision: int
+    quadrature: int
 
 
 class PerceptronOptions(TypedDict, total=False):

@@ -67,7 +67,8 @@ class _Terms:
 
 
 class Tape(Handle):
-    """The record of one rollout. memory_bytes > 0 is a budget; what does not fit is computed again, to the same bits."""
+    """The record of one rollout. memory_bytes > 0 is a budget; what does not fit is computed again, to the same
+    bits."""
 
     _what = "tape"
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """PyTorch: a rollout, or a step, as a differentiable function of tensors. Results have the type and place of the first
-argument; the library computes in doubles on the processor. Gradients are of first order: a second backward is refused."""
+argument; the library computes in doubles on the processor. Gradients are of first order: a second backward is
+refused."""
 from __future__ import annotations
 
 from typing import Any

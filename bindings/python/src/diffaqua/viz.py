@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Pictures: bodies of three dimensions by PyVista, without a screen; outlines, densities and histories by Matplotlib."""
+"""Pictures: bodies of three dimensions by PyVista, without a screen; outlines, densities and histories by
+Matplotlib."""
 from __future__ import annotations
 
 import os
@@ -158,8 +159,8 @@ def picture(simulator: Simulator, size: tuple[int, int] = (640, 400)) -> Picture
 
 
 def frames(tape: Tape, simulator: Simulator, every: int = 1, size: tuple[int, int] = (640, 400)) -> Iterator[Picture]:
-    """Pictures of a recorded rollout, one for every so many steps, all with the same view. The simulator must still have
-    the design of the tape."""
+    """Pictures of a recorded rollout, one for every so many steps, all with the same view. The simulator must still
+    have the design of the tape."""
     if every < 1:
         raise ArgumentError(f"every: expected a number >= 1, got {every}")
     elements = simulator.surface().elements
