@@ -491,7 +491,7 @@ class Everything(unittest.TestCase):
             search.best()
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "search.dqa")
-            for generation in range(60):
+            for generation in range(90):
                 points = search.ask()
                 np.testing.assert_array_equal(points, search.ask())
                 search.tell(np.sum(((points - target) / [1, 1, 20])**2, axis=1))
@@ -502,7 +502,7 @@ class Everything(unittest.TestCase):
         np.testing.assert_allclose(x, target, rtol=1e-4)
         self.assertLess(value, 1e-8)
         np.testing.assert_allclose(search.mean, target, rtol=1e-4)
-        self.assertEqual((search.info().generation, search.info().n), (60, 3))
+        self.assertEqual((search.info().generation, search.info().n), (90, 3))
         search.ask()
         with self.assertRaisesRegex(dq.ArgumentError, "values"):
             search.tell([1.0])
