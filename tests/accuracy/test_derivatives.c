@@ -45,7 +45,7 @@ static void all_of(const char* name, dqa_shape_space* space) {
     snprintf(scene, sizeof scene, "%s, 1/2 1/2, from rest", name);
     prove(scene, space, 0.5, 0.0, 0, DQA_WRT_WEIGHTS, DQA_WRT_INITIAL_VELOCITY);
     snprintf(scene, sizeof scene, "%s, moving, current", name);
-    prove(scene, space, 0.4, 0.5, 1, DQA_WRT_WEIGHTS, DQA_WRT_INITIAL_VELOCITY);
+    prove(scene, space, 0.6, 0.5, 1, DQA_WRT_WEIGHTS, DQA_WRT_INITIAL_VELOCITY);
     snprintf(scene, sizeof scene, "%s, vertex 1 0", name);
     prove(scene, space, 1.0, 0.0, 0, DQA_WRT_WEIGHTS, DQA_WRT_WEIGHTS);
     snprintf(scene, sizeof scene, "%s, vertex 0 1, current", name);

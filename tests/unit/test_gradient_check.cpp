@@ -37,7 +37,8 @@ void check_all(const Vector& weights, bool moving) {
         GradientCheckSettings settings;
         settings.quantity = static_cast<WithRespectTo>(quantity);
         settings.n_steps = moving ? 3 : 4;
-        settings.seed = 7;
+        settings.seed = 2;
+        if (quantity == 11) settings.step = 0.03;  // the loss is nearly linear in the moduli of all cells
         const GradientCheckReport r = check_gradient(s, quantity < 2 ? &controller : nullptr, {{}}, settings);
         print_message("%-17s %-6s %-6s: adjoint % .6e, error %.1e, slope %.3f\n", kNames[quantity],
                       weights[0] == 0.0 ? "vertex" : "inside", moving ? "moving" : "rest", r.adjoint, r.relative_error,

@@ -142,7 +142,9 @@ void test_filter() {
         const Block b(law, 7);
         const Body body = b.body();
         BodyWorkspace ws;
-        evaluate(body, ws, b.sample.displaced(0.7), {1.0, -1.0});
+        // The centre of a cell sees the mean of its corners: it takes more to turn it inside out.
+        const double part = law.quadrature == Quadrature::full ? 0.7 : 1.4;
+        evaluate(body, ws, b.sample.displaced(part), {1.0, -1.0});
         CHECK(ws.inverted > 0);
         const std::size_t n = b.sample.rest.size();
         const auto smallest = [&] {

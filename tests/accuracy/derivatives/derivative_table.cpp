@@ -90,9 +90,9 @@ int main(int argc, char** argv) {
         return std::fprintf(stderr, "usage: derivative_table [--only TEXT | --markdown | --compare FILE]\n"), 2;
     try {
         Table t(comparing, part ? argv[2] : "");
-        for (const auto rows :
-             {table::shape_rows, table::muscle_rows, table::body_rows, table::water_rows, table::step_rows,
-              table::sensor_rows, table::controller_rows, table::objective_rows, table::chain_rows})
+        for (const auto rows : {table::shape_rows, table::muscle_rows, table::body_rows, table::water_rows,
+                                table::step_rows, table::sensor_rows, table::controller_rows, table::objective_rows,
+                                table::chain_rows, table::reduced_body_rows})
             rows(t);
         if (comparing) return compare(t.rows(), argv[2]);
         if (markdown) std::fputs(kHeading, stdout);

@@ -72,6 +72,7 @@ private:
 void shape_rows(Table& table);
 void muscle_rows(Table& table);
 void body_rows(Table& table);
+void reduced_body_rows(Table& table);
 void water_rows(Table& table);
 void step_rows(Table& table);
 void sensor_rows(Table& table);
