@@ -41,7 +41,7 @@ struct SceneSettings {
     double threshold = 0.02;  // tau
     double occupancy_floor = 1e-10;
     double tolerance = 1e-6;
-    double adjoint_tolerance = 1e-6;
+    double adjoint_tolerance = 1e-7;
     double shape_tolerance = 0.0;  // marginal error of the barycentre; 0: the space's own
     WaterSettings hydrodynamics;
     std::shared_ptr<std::atomic<int>> cancel;  // may be null; non-zero asks to stop

@@ -56,11 +56,11 @@ bool small(const Scene& scene) {
     return scene.grid[0] * scene.grid[1] * scene.grid[2] <= 6000;
 }
 
-// Adjoints are solved as exactly as steps: the ratio is that of the defaults.
+// The ratio of the two tolerances is that of the defaults.
 Setup setup_of(const Settings& s, int method, int integrator, double threshold, double tolerance, int threads) {
     Setup out;
     out.method = method, out.integrator = integrator, out.threshold = threshold, out.threads = threads;
-    out.tolerance = tolerance, out.adjoint_tolerance = tolerance;
+    out.tolerance = tolerance, out.adjoint_tolerance = 0.1 * tolerance;
     out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget, out.quadrature = s.quadrature;
     return out;
 }
@@ -199,7 +199,7 @@ private:
         if (found != exact_.end()) return found->second ? &*found->second : nullptr;
         const bool direct = s_.oracle == "direct" || (s_.oracle == "auto" && small(scene) && tolerance <= 1e-12);
         Setup setup = setup_of(s_, direct ? 1 : 0, integrator, threshold, tolerance, 1);
-        setup.repeat = 1, setup.quadrature = quadrature;
+        setup.adjoint_tolerance = tolerance, setup.repeat = 1, setup.quadrature = quadrature;
         const double start = milliseconds();
         auto& entry = exact_[key] = measure(scene, setup);
         if (entry)
