@@ -11,14 +11,14 @@ Body::Body(const ActiveSet& set, const Elasticity& elasticity, const std::vector
       n_coordinates_(static_cast<std::size_t>(set.n_nodes()) * 3),
       n_cells_(static_cast<std::size_t>(set.n_cells())) {
     const auto add = [&](ElasticKind kind) {
-        terms_.push_back(std::make_unique<ElasticTerm>(kind, set, elasticity.mu, elasticity.lambda, instructions));
+        terms_.push_back(std::make_unique<ElasticTerm>(kind, elasticity.quadrature, set, elasticity.mu,
+                                                       elasticity.lambda, instructions));
     };
-    const bool reduced = elasticity.quadrature == Quadrature::reduced;
     if (elasticity.material == Material::neo_hookean) {
-        add(reduced ? ElasticKind::neo_hookean_reduced : ElasticKind::neo_hookean);
+        add(ElasticKind::neo_hookean);
         add(ElasticKind::neo_hookean_volume);
     } else {
-        add(reduced ? ElasticKind::corotated_reduced : ElasticKind::corotated);
+        add(ElasticKind::corotated);
         if (elasticity.material == Material::corotated_volume) add(ElasticKind::corotated_volume);
     }
     n_elastic_ = terms_.size();

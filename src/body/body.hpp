@@ -14,10 +14,6 @@ namespace dqa {
 // neo-Hookean with its volume term.
 enum class Material : int { corotated = 0, corotated_volume = 1, neo_hookean = 2 };
 
-// Integration of the terms that are not volume terms: at eight Gauss points as in the paper, or at the cell's centre
-// with hourglass control (reduced_kernels.hpp). Volume terms are taken at the centre in both.
-enum class Quadrature : int { full = 0, reduced = 1 };
-
 // Lame's parameters of each active cell (Pa); lambda is not looked at by `corotated`.
 struct Elasticity {
     Material material = Material::corotated;

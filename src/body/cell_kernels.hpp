@@ -91,6 +91,14 @@ inline void clear(Gradient& g) {
         for (int b = 0; b < 2; ++b) g.x[a][b] = g.y[a][b] = g.z[a][b] = {zero, zero, zero};
 }
 
+// Lanes of real cells (weight > 0) that are turned inside out.
+inline int inverted_lanes(V det, V weight) {
+    int count = 0;
+    if (min_lanes(det) <= 0.0)
+        for (int l = 0; l < kLanes; ++l) count += (det[l] <= 0.0 && weight[l] > 0.0) ? 1 : 0;
+    return count;
+}
+
 // Rotation nearest to F (columns f): Newton iteration for the polar factor X <- (g X + X^-T / g) / 2 with Frobenius
 // scaling g (Higham 1986), run until every lane has converged to rounding; lanes with det F near or below zero take
 // the scalar path, which yields det = +1.

@@ -70,8 +70,7 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
                         V3 r[3];
                         V det;
                         rotation(c, r, &det);
-                        if (min_lanes(det) <= 0.0)
-                            for (int l = 0; l < kLanes; ++l) n_inverted += (det[l] <= 0.0 && w[l] > 0.0) ? 1 : 0;
+                        n_inverted += inverted_lanes(det, w);
                         const V3 d0 = c[0] - r[0], d1 = c[1] - r[1], d2 = c[2] - r[2];
                         e += dot(d0, d0) + dot(d1, d1) + dot(d2, d2);
                         p.x[gy][gz] = p.x[gy][gz] + w * d0;

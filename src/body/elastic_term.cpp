@@ -26,10 +26,11 @@ NeoModuli neo_moduli(double mu, double lambda) {
 
 }  // namespace
 
-ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vector<double>& mu,
+ElasticTerm::ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSet& set, const std::vector<double>& mu,
                          const std::vector<double>& lambda, InstructionSet instructions)
     : kind_(kind),
-      kernels_(body_kernels(instructions).elastic[static_cast<std::size_t>(kind)]),
+      kernels_(
+          body_kernels(instructions).elastic[static_cast<std::size_t>(quadrature)][static_cast<std::size_t>(kind)]),
       inv_dx_(1.0 / set.box.dx),
       slab_(set.box.dims == 2 ? 1.0 : 0.0),
       volume_(set.box.dx * set.box.dx * set.box.dx / kernels_.points),
@@ -39,14 +40,12 @@ ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vect
     std::vector<double> weight(mu.size()), shift;
     for (std::size_t c = 0; c < mu.size(); ++c) switch (kind_) {
             case ElasticKind::corotated:
-            case ElasticKind::corotated_reduced:
                 weight[c] = 2.0 * mu[c] * volume_;
                 break;
             case ElasticKind::corotated_volume:
                 weight[c] = lambda[c] * volume_;
                 break;
             case ElasticKind::neo_hookean:
-            case ElasticKind::neo_hookean_reduced:
                 weight[c] = neo_moduli(mu[c], lambda[c]).mu * volume_;
                 break;
             case ElasticKind::neo_hookean_volume:
@@ -59,8 +58,7 @@ ElasticTerm::ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vect
 }
 
 const char* ElasticTerm::name() const {
-    constexpr const char* names[] = {"corotated",          "corotated volume",   "neo-Hookean",
-                                     "neo-Hookean volume", "corotated, reduced", "neo-Hookean, reduced"};
+    constexpr const char* names[] = {"corotated", "corotated volume", "neo-Hookean", "neo-Hookean volume"};
     return names[static_cast<std::size_t>(kind_)];
 }
 
@@ -111,9 +109,7 @@ void ElasticTerm::precondition(std::vector<Vec3>& stiffness) const {
         double s = 0.0;
         switch (kind_) {
             case ElasticKind::corotated:
-            case ElasticKind::corotated_reduced:
             case ElasticKind::neo_hookean:
-            case ElasticKind::neo_hookean_reduced:
                 s = 2.0 * mu_[c];
                 break;
             case ElasticKind::corotated_volume:
@@ -138,14 +134,12 @@ void ElasticTerm::pullback(TermWorkspace& ws, const double* q, const double* lam
         const double w = weight_bar[c] * volume_;
         switch (kind_) {
             case ElasticKind::corotated:
-            case ElasticKind::corotated_reduced:
                 bar.mu[c] += 2.0 * w;
                 break;
             case ElasticKind::corotated_volume:
                 bar.lambda[c] += w;
                 break;
             case ElasticKind::neo_hookean:
-            case ElasticKind::neo_hookean_reduced:
                 bar.mu[c] += 4.0 / 3.0 * w;
                 break;
             case ElasticKind::neo_hookean_volume: {

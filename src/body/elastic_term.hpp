@@ -10,7 +10,7 @@ namespace dqa {
 class ElasticTerm : public EnergyTerm {
 public:
     // mu, lambda: Lame's parameters of each active cell (Pa); lambda may be empty for kinds that do not use it.
-    ElasticTerm(ElasticKind kind, const ActiveSet& set, const std::vector<double>& mu,
+    ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSet& set, const std::vector<double>& mu,
                 const std::vector<double>& lambda, InstructionSet instructions);
 
     const char* name() const override;

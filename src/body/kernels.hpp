@@ -7,11 +7,10 @@
 //
 // Elastic energies, weight = modulus * V / points, summed over 8 Gauss points or taken at the cell's centre (selective
 // reduced integration, which keeps nearly incompressible cells from locking, e.g. Hughes 1987, sec. 4.5):
-//   corotated (e.g. Chao et al. 2010)     weight/2 |F - R|^2, weight = 2 mu V/8, R the rotation closest to F, det R =
-//   +1 its volume term                       weight/2 (tr(R^T F) - 3)^2 at the centre, weight = lambda V stable
-//   neo-Hookean (Smith et al. 2018)  weight/2 (I - 3 - log((I + 1)/4)), I = |F|^2, weight = mu V/8 its volume term
-//   weight/2 (J - alpha)^2 at the centre, weight = lambda V, `shift` = alpha
-// The reduced kinds take the first terms at the centre, with hourglass control: see reduced_kernels.hpp.
+//   - corotated (e.g. Chao et al. 2010): weight/2 |F - R|^2, weight = 2 mu V/8, R the closest rotation;
+//   - its volume term: weight/2 (tr(R^T F) - 3)^2 at the centre, weight = lambda V;
+//   - stable neo-Hookean (Smith et al. 2018): weight/2 (I - 3 - log((I + 1)/4)), I = |F|^2, weight = mu V/8;
+//   - its volume term: weight/2 (J - alpha)^2 at the centre, weight = lambda V, `shift` = alpha.
 // `slab` is added to F_zz: 1 in two dimensions, where the nodes do not span z, else 0.
 // Muscle energy (Min et al. 2019): weight/2 (|F m| - r)^2 per Gauss point. Cache: F m / |F m| (3), c1, c2.
 #pragma once
@@ -23,14 +22,11 @@ namespace dqa {
 constexpr int kMuscleCache = 8 * 5 * 8;
 constexpr int kCellForce = 8 * 8 * 4;
 
-enum class ElasticKind : int {
-    corotated = 0,
-    corotated_volume = 1,
-    neo_hookean = 2,
-    neo_hookean_volume = 3,
-    corotated_reduced = 4,
-    neo_hookean_reduced = 5
-};
+enum class ElasticKind : int { corotated = 0, corotated_volume = 1, neo_hookean = 2, neo_hookean_volume = 3 };
+
+// Integration of the kinds that are not volume terms: at eight Gauss points as in the paper, or at the cell's centre
+// with hourglass control (reduced_kernels.hpp). Volume terms are taken at the centre in both.
+enum class Quadrature : int { full = 0, reduced = 1 };
 
 struct ElasticKernels {
     int point_values;  // cached values of a cell; the cache is [block][point_values][8 lanes]
@@ -51,7 +47,7 @@ struct ElasticKernels {
 };
 
 struct BodyKernels {
-    ElasticKernels elastic[6];  // by ElasticKind
+    ElasticKernels elastic[2][4];  // by Quadrature and ElasticKind
     // The same for muscles; direction [block][3][8], rest ratio [block][8].
     void (*muscle_gradient)(const double* q, const int* nodes, const double* direction, const double* weight,
                             const double* rest, double inv_dx, int begin, int end, double* force, double* energy,

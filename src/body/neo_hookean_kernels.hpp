@@ -43,8 +43,7 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
                 const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
                 const V3 c[3] = {f.x[gy][gz], f.y[gx][gz], f.z[gx][gy]};
                 const V det = dot(c[0], cross(c[1], c[2]));
-                if (min_lanes(det) <= 0.0)
-                    for (int l = 0; l < kLanes; ++l) n_inverted += (det[l] <= 0.0 && w[l] > 0.0) ? 1 : 0;
+                n_inverted += inverted_lanes(det, w);
                 const V size = dot(c[0], c[0]) + dot(c[1], c[1]) + dot(c[2], c[2]);
                 const V inv = 1.0 / (size + 1.0), a = 1.0 - inv;
                 e += size - 3.0 - natural_log(0.25 * (size + 1.0));

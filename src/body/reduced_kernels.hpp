@@ -79,8 +79,7 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
             V3 r[3];
             V det;
             rotation(cell.f, r, &det);
-            if (min_lanes(det) <= 0.0)
-                for (int l = 0; l < kLanes; ++l) n_inverted += (det[l] <= 0.0 && w[l] > 0.0) ? 1 : 0;
+            n_inverted += inverted_lanes(det, w);
             const V3 d[3] = {cell.f[0] - r[0], cell.f[1] - r[1], cell.f[2] - r[2]};
             const V e = dot(d[0], d[0]) + dot(d[1], d[1]) + dot(d[2], d[2]) + hourglass_dot(cell, cell);
             Cell s;
@@ -144,8 +143,7 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
             const V w = load(weight + block * kBlock + lane);
             const Cell cell = cell_of(q, nodes + block * 8 * kBlock + lane, inv_dx, slab);
             const V det = dot(cell.f[0], cross(cell.f[1], cell.f[2]));
-            if (min_lanes(det) <= 0.0)
-                for (int l = 0; l < kLanes; ++l) n_inverted += (det[l] <= 0.0 && w[l] > 0.0) ? 1 : 0;
+            n_inverted += inverted_lanes(det, w);
             const V size = dot(cell.f[0], cell.f[0]) + dot(cell.f[1], cell.f[1]) + dot(cell.f[2], cell.f[2]);
             const V inv = 1.0 / (size + 1.0), a = 1.0 - inv;
             const V e = size - 3.0 - natural_log(0.25 * (size + 1.0)) + kNeoHourglass * hourglass_dot(cell, cell);

@@ -170,6 +170,30 @@ void test_filter() {
 
 }  // namespace
 
+// The size of the parts that cancel in the energy bounds its rounding: at rest only rounding is left.
+void test_cancelling() {
+    Random random{6};
+    for (const Law& law : kLaws) {
+        const Block b(law);
+        const Body body = b.body();
+        if (law.material != Material::neo_hookean) {
+            CHECK(body.cancelling() == 0);
+            continue;
+        }
+        const Law full{law.material, Quadrature::full, ""};
+        CHECK(std::fabs(body.cancelling() / Block(full).body().cancelling() - 1) <= 1e-14);
+        BodyWorkspace ws;
+        const double rest = evaluate(body, ws, b.sample.rest, {0, 0}).energy;
+        double scatter = 0;
+        for (int k = 0; k < 20; ++k) {
+            const Vector q = mapped(b.sample.rest, random_rotation(random), {1, 2, 3});
+            scatter = std::fmax(scatter, std::fabs(evaluate(body, ws, q, {0, 0}).energy - rest));
+        }
+        const double bound = std::numeric_limits<double>::epsilon() * body.cancelling();
+        CHECK(scatter > 0.001 * bound && scatter <= 4 * bound);
+    }
+}
+
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_rest_and_rigid_motion),
@@ -177,6 +201,7 @@ int main() {
         TEST(test_derivatives),
         TEST(test_parameters),
         TEST(test_filter),
+        TEST(test_cancelling),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -100,7 +100,7 @@ void test_batched_rotation() {
             for (std::size_t first = 0; first < all.size(); first += 5) {
                 const auto f = [&](std::size_t lane) { return all[(first + lane) % all.size()]; };
                 Vector q(192), force(kCellForce), energy(1),
-                    cache(static_cast<std::size_t>(kernels.elastic[0].point_values) * 8);
+                    cache(static_cast<std::size_t>(kernels.elastic[0][0].point_values) * 8);
                 for (std::size_t lane = 0; lane < 8; ++lane)
                     for (int corner = 0; corner < 8; ++corner) {
                         const Eigen::Vector3d x(corner >> 2 & 1, corner >> 1 & 1, corner & 1);
@@ -108,7 +108,7 @@ void test_batched_rotation() {
                         for (int a = 0; a < 3; ++a) q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
                     }
                 int inverted = 0;
-                kernels.elastic[0].gradient(q.data(), nodes, weight.data(), nullptr, 1.0, 0.0, 0, 1, force.data(),
+                kernels.elastic[0][0].gradient(q.data(), nodes, weight.data(), nullptr, 1.0, 0.0, 0, 1, force.data(),
                                             energy.data(), cache.data(), &inverted);
                 double expected = 0.0;
                 for (std::size_t lane = 0; lane < 8; ++lane) {
