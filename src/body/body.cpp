@@ -51,6 +51,12 @@ int Body::n_chunks() const {
     return sum;
 }
 
+int Body::chunk_node(int k) const {
+    std::size_t t = 0;
+    for (; k >= terms_[t]->n_chunks(); ++t) k -= terms_[t]->n_chunks();
+    return terms_[t]->chunk_node(k);
+}
+
 void Body::product_chunk(BodyWorkspace& ws, const double* p, int k) const {
     for (std::size_t t = 0; t < terms_.size(); ++t) {
         const int count = terms_[t]->n_chunks();

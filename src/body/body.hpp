@@ -42,6 +42,7 @@ public:
     void product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const;
     // The same in two parts, see EnergyTerm.
     int n_chunks() const;
+    int chunk_node(int k) const;
     void product_chunk(BodyWorkspace& ws, const double* p, int k) const;
     void add_product(const BodyWorkspace& ws, int begin, int end, double* out) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).

@@ -80,6 +80,10 @@ int ElasticTerm::n_chunks() const {
     return (cells_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
 }
 
+int ElasticTerm::chunk_node(int k) const {
+    return cells_.nodes()[64 * k * kBodyGrain] / 3;
+}
+
 void ElasticTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, cells_.n_blocks());
     kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(), ws.force.data());

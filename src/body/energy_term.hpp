@@ -36,6 +36,8 @@ public:
     // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
     // then out += their sums on the nodes [begin, end).
     virtual int n_chunks() const = 0;
+    // One of the chunk's nodes, which says where along the body it lies.
+    virtual int chunk_node(int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
     virtual void add_product(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).

@@ -54,6 +54,10 @@ int MuscleTerm::n_chunks() const {
     return (entries_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
 }
 
+int MuscleTerm::chunk_node(int k) const {
+    return entries_.nodes()[64 * k * kBodyGrain] / 3;
+}
+
 void MuscleTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, entries_.n_blocks());
     kernels_.muscle_product(p, entries_.nodes(), direction_.data(), inv_dx_, begin, end, ws.cache.data(),

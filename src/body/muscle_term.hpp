@@ -25,6 +25,7 @@ public:
     double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
                     double* out) const override;
     int n_chunks() const override;
+    int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override;
     void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override;
     void filter(TermWorkspace& ws) const override;

@@ -22,26 +22,49 @@ inline void relax() {
 
 }  // namespace
 
-void WorkCrew::take_chunks() {
-    for (int k = next_.fetch_add(1); k < count_; k = next_.fetch_add(1)) {
-        try {
-            (*job_)(k);
-        } catch (...) {
-            const std::lock_guard<std::mutex> lock(error_mutex_);
-            if (!error_) error_ = std::current_exception();
-            next_.store(count_);  // the rest need not run
-        }
+int WorkCrew::Share::take_first() {
+    std::uint64_t now = left.load();
+    do
+        if (now >> 32 >= (now & 0xffffffffu)) return -1;
+    while (!left.compare_exchange_weak(now, now + (std::uint64_t{1} << 32)));
+    return static_cast<int>(now >> 32);
+}
+
+int WorkCrew::Share::take_last() {
+    std::uint64_t now = left.load();
+    do
+        if (now >> 32 >= (now & 0xffffffffu)) return -1;
+    while (!left.compare_exchange_weak(now, now - 1));
+    return static_cast<int>(now & 0xffffffffu) - 1;
+}
+
+void WorkCrew::run_chunk(int chunk) {
+    try {
+        (*job_)(chunk);
+    } catch (...) {
+        const std::lock_guard<std::mutex> lock(error_mutex_);
+        if (!error_) error_ = std::current_exception();
+        for (int k = 0; k < threads_; ++k) shares_[static_cast<std::size_t>(k)].left.store(0);  // need not run
     }
 }
 
-void WorkCrew::help() {
+void WorkCrew::take_chunks(int self) {
+    Share& own = shares_[static_cast<std::size_t>(self)];
+    for (int k = own.take_first(); k >= 0; k = own.take_first()) run_chunk(k);
+    for (int other = 1; other < threads_; ++other) {
+        Share& share = shares_[static_cast<std::size_t>((self + other) % threads_)];
+        for (int k = share.take_last(); k >= 0; k = share.take_last()) run_chunk(k);
+    }
+}
+
+void WorkCrew::help(int self) {
     std::uint32_t seen = 0;
     while (true) {
         for (int spin = 0; spin < kSpins && epoch_.load() == seen; ++spin) relax();
         epoch_.wait(seen);
         ++inside_;
         seen = epoch_.load();
-        if (seen & 1u) take_chunks();
+        if (seen & 1u) take_chunks(self);
         --inside_;
         // After `seen`: stop_ is set before the last change of the epoch, so that who has seen that change sees stop_
         // too. Looked at before, the end could come in between, and the helper would wait for a change after the last.
@@ -50,12 +73,14 @@ void WorkCrew::help() {
 }
 
 void WorkCrew::for_chunks(int count, const std::function<void(int)>& f) {
-    count_ = count;
     job_ = &f;
-    next_.store(0);
+    const auto bound = [&](int k) {
+        return static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(k) / static_cast<std::uint64_t>(threads_);
+    };
+    for (int k = 0; k < threads_; ++k) shares_[static_cast<std::size_t>(k)].left.store(bound(k) << 32 | bound(k + 1));
     ++epoch_;
     epoch_.notify_all();
-    take_chunks();
+    take_chunks(0);
     ++epoch_;
     while (inside_.load() != 0) relax();
     if (error_) {
@@ -83,11 +108,11 @@ void WorkCrew::run(const std::function<void()>& work) {
         if (omp_get_thread_num() == 0)
             lead();
         else
-            help();
+            help(omp_get_thread_num());
     }
 #else
     std::vector<std::thread> helpers;
-    for (int k = 1; k < threads_; ++k) helpers.emplace_back([this] { help(); });
+    for (int k = 1; k < threads_; ++k) helpers.emplace_back([this, k] { help(k); });
     lead();
     for (std::thread& t : helpers) t.join();
 #endif

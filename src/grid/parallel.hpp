@@ -6,6 +6,10 @@
 // loop's end for all threads, also for one that the system has put aside: on a busy machine that costs a time slice a
 // loop. So a WorkCrew opens one region around the whole step; inside it the calling thread posts loops, and workers
 // help with chunks while there are any. The caller waits only for chunks that a worker has begun.
+//
+// Each thread begins with a share of its own: the first of T threads with the first T-th of the chunks, and so on. As
+// loops over cells, nodes and faces all run along the body, a thread finds in its cache what it left there in the loop
+// before; who is done with his share helps the others from the ends of theirs.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +17,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -21,7 +26,8 @@ namespace dqa {
 
 class WorkCrew {
 public:
-    explicit WorkCrew(int threads) : threads_(threads) {}
+    explicit WorkCrew(int threads)
+        : threads_(threads), shares_(std::make_unique<Share[]>(static_cast<std::size_t>(threads))) {}
     WorkCrew(const WorkCrew&) = delete;
     WorkCrew& operator=(const WorkCrew&) = delete;
 
@@ -31,17 +37,24 @@ public:
     void for_chunks(int count, const std::function<void(int)>& f);
 
 private:
-    void help();
-    void take_chunks();
+    // Chunks of a share that nobody has taken: the first in the upper half, one past the last in the lower.
+    struct alignas(64) Share {
+        std::atomic<std::uint64_t> left{0};
+        int take_first();  // -1: none is left
+        int take_last();
+    };
+
+    void help(int self);
+    void take_chunks(int self);
+    void run_chunk(int chunk);
 
     int threads_;
+    std::unique_ptr<Share[]> shares_;
     // Even: no loop is open; odd: one is. Workers announce themselves in inside_ before they look, and the caller
     // closes the loop before it looks at inside_: one of the two always sees the other.
     alignas(64) std::atomic<std::uint32_t> epoch_{0};
     alignas(64) std::atomic<int> inside_{0};
-    alignas(64) std::atomic<int> next_{0};
     std::atomic<bool> stop_{false};
-    int count_ = 0;
     const std::function<void(int)>* job_ = nullptr;
     std::mutex error_mutex_;
     std::exception_ptr error_;

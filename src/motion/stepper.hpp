@@ -129,6 +129,7 @@ private:
     double extent_;                        // of the body at rest (m)
     double energy_rounding_;               // of parts that cancel (J)
     std::vector<double> free_coordinate_;  // 1, or 0 where constrained; empty if all are free
+    std::vector<int> product_order_;       // chunks of body and water, as full_product takes them
     Threads threads_{1};                   // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;

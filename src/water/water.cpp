@@ -10,8 +10,6 @@
 namespace dqa {
 namespace {
 
-constexpr int kGrain = 256;
-
 double dot(const Vec3& a, const Vec3& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -106,7 +104,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     ws.u.resize(3 * nf), ws.force.resize(4 * room);
     ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
-    parallel_chunks(threads, n_faces(), kGrain, [&](int begin, int end) {
+    parallel_chunks(threads, n_faces(), kChunk, [&](int begin, int end) {
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Face& f = faces_[i];
             const auto [d1, d2] = diagonals(f, q);
@@ -157,7 +155,7 @@ double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_
 
 double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
                                 Threads threads) const {
-    return parallel_sum(threads, n_faces(), kGrain, [&](int begin, int end) {
+    return parallel_sum(threads, n_faces(), kChunk, [&](int begin, int end) {
         double e = 0.0;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
@@ -184,11 +182,11 @@ void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threa
 
 int Water::n_chunks() const {
     if (settings_.explicit_forces) return 0;  // constant during the step
-    return (n_faces() + kGrain - 1) / kGrain;
+    return (n_faces() + kChunk - 1) / kChunk;
 }
 
 void Water::product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const {
-    const int begin = k * (kGrain / 8), end = std::min(begin + kGrain / 8, (n_faces() + 7) / 8);
+    const int begin = k * (kChunk / 8), end = std::min(begin + kChunk / 8, (n_faces() + 7) / 8);
     kernels_.product(p, nodes_.data(), ws.cd.data(), ws.ct.data(), ws.n.data(), 1.0 / h, begin, end, ws.force.data());
 }
 
@@ -264,7 +262,7 @@ void Water::pull_back(WaterWorkspace& ws, const double* q_new, const double* q_b
                       double* v_bar, Vec3& spine_bar, Vec3& current_bar, WaterParameterBar& parameter_bar,
                       double* occupancy_bar) const {
     ws.face_bar.resize(16 * faces_.size()), ws.jump_bar.resize(faces_.size());
-    const SharedBar shared = parallel_total<SharedBar>(threads, n_faces(), kGrain, [&](int begin, int end) {
+    const SharedBar shared = parallel_total<SharedBar>(threads, n_faces(), kChunk, [&](int begin, int end) {
         SharedBar own;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const auto [l, m] = vectors(faces_[i]);
@@ -332,7 +330,7 @@ void WaterTotals::operator+=(const WaterTotals& o) {
 
 WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
                           Threads threads) const {
-    WaterTotals t = parallel_total<WaterTotals>(threads, n_faces(), kGrain, [&](int begin, int end) {
+    WaterTotals t = parallel_total<WaterTotals>(threads, n_faces(), kChunk, [&](int begin, int end) {
         WaterTotals own;
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);

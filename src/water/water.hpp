@@ -98,6 +98,7 @@ public:
     // The same in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then out += their sums
     // on the nodes [begin, end).
     int n_chunks() const;
+    int chunk_node(int k) const { return faces_[static_cast<std::size_t>(k) * kChunk].nodes[0] / 3; }
     void product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const;
     void add_product(const WaterWorkspace& ws, int begin, int end, double* out) const;
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
@@ -150,6 +151,7 @@ private:
 
     WaterSettings settings_;
     WaterLaws laws_;
+    static constexpr int kChunk = 256;  // faces a chunk
     std::vector<Face> faces_;
     const WaterKernels& kernels_;
     std::vector<int> nodes_;  // of the faces, [block][4][8]
