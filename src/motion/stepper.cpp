@@ -57,6 +57,15 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
         v->assign(size_, 0.0);
     if (!design_->constrained().empty()) free_coordinate_.assign(size_, 1.0);
     for (const int i : design_->constrained()) free_coordinate_[static_cast<std::size_t>(i)] = 0.0;
+    // Along the body, so that each thread finds in its cache what other loops left there for it.
+    const Body& body = design_->body();
+    const Water* water = design_->water();
+    const int of_body = body.n_chunks();
+    std::vector<std::pair<int, int>> at;
+    for (int k = 0; k < of_body; ++k) at.emplace_back(body.chunk_node(k), k);
+    for (int k = 0; water && k < water->n_chunks(); ++k) at.emplace_back(water->chunk_node(k), of_body + k);
+    std::sort(at.begin(), at.end());
+    for (const auto& chunk : at) product_order_.push_back(chunk.second);
 }
 
 void Stepper::begin(const State& now, const StepInput& input) {
@@ -151,8 +160,9 @@ double Stepper::full_product(const double* p, double* out) {
     const double inv_h2 = 1.0 / (beta_ * beta_);
     const Body& body = design_->body();
     const Water* water = design_->water();
-    const int of_body = body.n_chunks(), of_water = water ? water->n_chunks() : 0;
-    parallel_chunks(threads_, of_body + of_water, 1, [&](int k, int) {
+    const int of_body = body.n_chunks();
+    parallel_chunks(threads_, static_cast<int>(product_order_.size()), 1, [&](int place, int) {
+        const int k = product_order_[static_cast<std::size_t>(place)];
         if (k < of_body)
             body.product_chunk(body_, p, k);
         else
@@ -337,11 +347,13 @@ bool Stepper::converged(const Evaluation& now) const {
     return now.residual <= target(now);
 }
 
-// How exactly a linear system is solved: as far as this iteration can use.
+// How exactly a linear system is solved: as far as this iteration can use, and the last one to well below the target.
+// A step that only just reaches it would carry the whole tolerance into the gradient, for two iterations less.
 double Stepper::forcing(const Evaluation& now) const {
     const double enough = target(now);
     if (now.residual <= enough) return 0.01;  // it is the body as a whole that is not in balance
-    return std::max(0.3 * enough / now.residual, std::min(0.1, std::sqrt(now.residual / now.scale)));
+    const double usual = std::min(0.1, std::sqrt(now.residual / now.scale));
+    return usual * now.residual <= enough ? 0.1 * enough / now.residual : usual;
 }
 
 void Stepper::check_cancelled(long step) const {
