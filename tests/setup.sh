@@ -22,6 +22,8 @@ python3-vtk9           # reads their frames
 python3-venv           # environments of the tests of the Python package
 python3-torch          # diffaqua.torch; the registry's own is many times as large
 luajit                 # tests of the Lua module
+octave                 # tests of the Octave package
+octave-dev             # compiles its gateway
 libosmesa6             # pictures of diffaqua.viz without a screen
 ccache                 # makes the second build short
 LIST

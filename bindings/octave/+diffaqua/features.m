@@ -1,0 +1,5 @@
+% SPDX-License-Identifier: MIT
+% What the library was built with, as a cell array: {'assimp', 'openmp', ...}.
+function list = features ()
+  list = strsplit (strtrim (diffaqua.internal.call ('features')), ' ');
+end
