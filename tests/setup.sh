@@ -9,6 +9,7 @@ cmake                  # build system, 3.25 or later
 ninja-build            # the generator of the presets
 pkg-config             # the install test finds the library through it, as callers do
 python3                # the ABI and layering checks
+abigail-tools          # the ABI against the dump that was frozen
 libeigen3-dev          # small matrices, sparse fall-back solvers
 libsuitesparse-dev     # CHOLMOD and UMFPACK: sparse factorisations
 libopenblas-dev        # BLAS under CHOLMOD

@@ -22,3 +22,11 @@ def structs(path):
         fields = [line.strip() for line in body.split(";") if line.strip()]
         found[name] = [re.search(r"(\w+)\s*(\[\w+\])*$", field).group(1) for field in fields]
     return found
+
+
+def constants(path, versions=False):
+    """{name: value} of the header's whole numbers; of its versions, which are meant to change, where asked for."""
+    with open(path, encoding="utf-8") as file:
+        found = re.findall(r"^#define (DQA_\w+) +\(?(-?\d+)\)?", file.read(), flags=re.M)
+    changing = ("DQA_VERSION_MAJOR", "DQA_VERSION_MINOR", "DQA_VERSION_PATCH", "DQA_ABI_VERSION")
+    return {name: int(value) for name, value in found if versions or name not in changing}

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""The ABI of a library as libabigail reads it from the debug information: dumps, and what differs between two of them.
+
+A dump holds the functions of the public header and the types that they reach, and nothing of the machine that made it.
+Growable structs may gain fields at their end, and a field called padding may get a name: libabigail counts both as
+changes, so they are recognised here, struct by struct, and only for structs whose other fields are the same in every
+respect. Functions may be added. All else that abidiff reports is a break.
+"""
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+TOOLS = ("abidw", "abidiff")
+
+
+def missing_tool():
+    """The first of the tools that is not there, or None."""
+    return next((tool for tool in TOOLS if not shutil.which(tool)), None)
+
+
+def dump(library, headers, path):
+    """Writes the ABI of `library`, as far as the public header in the folder `headers` tells it, to `path`."""
+    with tempfile.TemporaryDirectory(prefix="abi-") as alone:  # without the internal headers beside it
+        shutil.copy(os.path.join(headers, "diffaqua.h"), alone)
+        done = subprocess.run(["abidw", "--headers-dir", alone, "--drop-private-types", "--exported-interfaces-only",
+                               "--drop-undefined-syms", "--no-show-locs", "--no-corpus-path", "--no-comp-dir-path",
+                               "--no-elf-needed", "--type-id-style", "hash", "--out-file", path, library],
+                              capture_output=True, text=True, check=False)
+    if done.returncode != 0 or not os.path.exists(path):
+        raise RuntimeError(f"abidw failed on {library} ({done.returncode}): {done.stdout}{done.stderr}")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    # The folder of the sources, which says nothing about the ABI.
+    text = re.sub(r"(<abi-instr [^>]*?path=')[^']*?([^/']+')", r"\1\2", text)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    if "<function-decl name='dqa_version'" not in text or "dqa_tape_options" not in Types(path).structs():
+        raise RuntimeError(f"the debug information of {library} does not tell its functions and structs")
+
+
+def soname(path):
+    """SONAME of the library of a dump."""
+    return ElementTree.parse(path).getroot().get("soname")
+
+
+class Types:
+    """The types of a dump by their ids."""
+
+    def __init__(self, path):
+        self.by_id = {node.get("id"): node for node in ElementTree.parse(path).getroot().iter() if node.get("id")}
+
+    def structs(self):
+        """{name: [(field, offset in bits, type spelled out), ...]} of the structs with a body."""
+        found = {}
+        for node in self.by_id.values():
+            if node.tag == "class-decl" and not node.get("is-declaration-only"):
+                fields = found.setdefault(node.get("name"), [])
+                for member in node.findall("data-member"):
+                    variable = member.find("var-decl")
+                    fields.append((variable.get("name"), int(member.get("layout-offset-in-bits")),
+                                   self.spell(variable.get("type-id"), ())))
+        return found
+
+    def spell(self, identifier, above):
+        """A type with all that it is made of; a type within itself is named only."""
+        node = self.by_id[identifier]
+        own = " ".join(f"{key}={node.get(key)}" for key in ("name", "size-in-bits", "length", "const") if node.get(key))
+        if identifier in above:
+            return f"({node.tag} {own} again)"
+        below = [child for child in node.iter() if child is not node and child.get("type-id")]
+        parts = [self.spell(child.get("type-id"), above + (identifier,)) for child in below]
+        if node.get("type-id"):
+            parts.insert(0, self.spell(node.get("type-id"), above + (identifier,)))
+        return f"({node.tag} {own} {' '.join(parts)})"
+
+
+def grown(old, new):
+    """Names of the structs whose only change is one that growable structs may make."""
+    before, after = Types(old).structs(), Types(new).structs()
+
+    def same(was, now):
+        return was[1:] == now[1:] and (was[0] == now[0] or was[0] == "padding")
+
+    return [name for name, fields in before.items()
+            if name in after and after[name] != fields and len(after[name]) >= len(fields)
+            and fields[0][0] == "struct_size" and all(map(same, fields, after[name]))]
+
+
+def breaks(old, new):
+    """What a program built against `old` would stumble over in `new`: the report of abidiff, "" when nothing."""
+    with tempfile.NamedTemporaryFile("w", suffix=".suppressions", encoding="utf-8") as rules:
+        for name in grown(old, new):
+            rules.write(f"[suppress_type]\n  type_kind = struct\n  name = {name}\n")
+        rules.flush()
+        done = subprocess.run(["abidiff", "--suppressions", rules.name, "--no-added-syms", old, new],
+                              capture_output=True, text=True, check=False)
+    if done.returncode & 3:  # an error of the tool or of its command line
+        raise RuntimeError(f"abidiff failed ({done.returncode}): {done.stdout}{done.stderr}")
+    return done.stdout if done.returncode else ""
