@@ -5,6 +5,7 @@
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
 #   DQA_TEST_ASAN   0 leaves the sanitizer run out
+#   DQA_TEST_INSTALL    1 lets the test of the Debian packages install them on this machine for a moment (as root)
 #   DQA_TEST_COVERAGE   0 leaves the coverage run out
 set -eu
 cd "$(dirname "$0")/.."

@@ -26,6 +26,9 @@ luajit                 # tests of the Lua module
 octave                 # tests of the Octave package
 octave-dev             # compiles its gateway
 libosmesa6             # pictures of diffaqua.viz without a screen
+dpkg-dev               # dependencies of the Debian packages, read from the binaries
+lintian                # their faults
+doxygen                # the reference of the header
 ccache                 # makes the second build short
 LIST
 )

@@ -33,11 +33,8 @@ static void executable_folder(char* folder, size_t size) {
 
 /* Looks wherever the shapes may lie if the user has named no folder. */
 static int find(const char* name, char* path, size_t size) {
-    static const char* const beside[] = {"shapes", "../share/diffaqua/shapes", "../../../examples/shapes"};
+    static const char* const beside[] = {"shapes", "../share/diffaqua/shapes"};
     char folder[2048], place[3072];
-#ifdef DQA_SHAPES_DIR
-    if (readable(DQA_SHAPES_DIR, name, path, size)) return 1;
-#endif
     executable_folder(folder, sizeof folder);
     for (size_t i = 0; i < sizeof beside / sizeof beside[0]; ++i) {
         (void)snprintf(place, sizeof place, "%s/%s", folder, beside[i]);

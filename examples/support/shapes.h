@@ -7,7 +7,7 @@
 
 int32_t shapes_count(void);
 /* Path of a shipped mesh in new memory; NULL (said) when the folder cannot be found. Looks into the environment
- * variable DQA_SHAPES_DIR, then the folder known at build time, then folders beside the executable. */
+ * variable DQA_SHAPES_DIR, then shapes and ../share/diffaqua/shapes, seen from the folder of the executable. */
 char* shapes_path(int32_t index);
 /* The same of a file in that folder. */
 char* shapes_named(const char* name);

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs into a temporary prefix, moves the tree elsewhere (so nothing may depend on where it was), then builds and
-# runs a C program against it, found once through CMake's find_package and once through pkg-config.
+# runs two C programs against it, found once through CMake's find_package and once through pkg-config: one that asks who
+# is there, and the installed example embed.c, whose swimmers swim. Installed programs run from there, too.
 #   test_install.sh <cmake> <build folder> <C compiler> <version> <libdir>
 set -eu
 cmake=$1 build=$2 compiler=$3 version=$4 libdir=$5
@@ -22,11 +23,23 @@ if grep -rlF -e "$work/first" -e "$build" "$prefix/$libdir/cmake" "$prefix/$libd
     exit 1
 fi
 
+embed=$(find "$prefix" -name embed.c)
+[ -n "$embed" ] || { echo "embed.c is not installed" >&2; exit 1; }
+swims() {
+    "$1" 20 >"$work/swims.txt" || { cat "$work/swims.txt" >&2; exit 1; }
+    if [ "$(grep -c 'DQA_SUCCESS after 20 of 20 steps' "$work/swims.txt")" -ne 2 ]; then
+        cat "$work/swims.txt" >&2
+        echo "two swimmers should have swum" >&2
+        exit 1
+    fi
+}
+
 echo "== find_package"
 "$cmake" -S "$consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$compiler" \
-    -DEXPECTED_VERSION="$version" >/dev/null
+    -DEXPECTED_VERSION="$version" -DEMBED="$embed" >/dev/null
 "$cmake" --build "$work/build" >/dev/null
 "$work/build/consumer" "$version"
+swims "$work/build/embed"
 
 echo "== pkg-config"
 PKG_CONFIG_PATH=$prefix/$libdir/pkgconfig
@@ -36,3 +49,18 @@ export PKG_CONFIG_PATH
 "$compiler" -std=c99 -pedantic -Wall -Wextra -Werror -o "$work/consumer" "$consumer/main.c" \
     $(pkg-config --cflags --libs diffaqua) -Wl,-rpath,"$prefix/$libdir"
 "$work/consumer" "$version"
+# shellcheck disable=SC2046
+"$compiler" -std=c99 -pedantic -Wall -Wextra -Werror -pthread -o "$work/embed" "$embed" \
+    $(pkg-config --cflags --libs diffaqua) -lm -Wl,-rpath,"$prefix/$libdir"
+swims "$work/embed"
+
+# The shapes are found beside the program, wherever the tree lies; a build without examples has none.
+if [ -e "$prefix/bin/codesign" ]; then
+    echo "== installed programs"
+    for page in "$prefix"/share/man/man1/*.1; do
+        [ -x "$prefix/bin/$(basename "$page" .1)" ] || { echo "no program for $page" >&2; exit 1; }
+    done
+    (cd "$work" && unset DQA_SHAPES_DIR && "$prefix/bin/codesign" --quick --iterations 1 --steps 5 --grid 20x8x10 \
+        --threads 1 >"$work/codesign.txt" 2>&1) || { cat "$work/codesign.txt" >&2; exit 1; }
+    [ -s "$work/codesign-out/report.html" ]
+fi

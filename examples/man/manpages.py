@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Writes the manual pages of the installed programs from what they say of themselves with --help.
+
+    manpages.py PROGRAMS            writes the pages beside this script; PROGRAMS is the folder of the built programs
+    manpages.py --check PROGRAMS    fails where a page is not what the program says
+"""
+import os
+import re
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+HEADER = os.path.join(HERE, "..", "..", "capi", "diffaqua.h")
+
+# program: (name once installed, what it is in a line, its text where --help has none)
+PROGRAMS = {
+    "codesign": ("codesign", "co-design of a soft swimmer: its shape and controller improve together", None),
+    "open_loop": ("diffaqua-open-loop", "experiment: an eel's shape and sine, with baselines", None),
+    "shape_optimization": ("diffaqua-shape-optimization", "experiment: the fastest shape between two animals", None),
+    "shape_exploration": ("diffaqua-shape-exploration", "experiment: the shapes between three animals", None),
+    "plane": ("diffaqua-plane", "co-design of a swimmer in two dimensions, in seconds", """usage: plane [FILE]
+
+Three fish seen from above, each drawn by a formula, span a space of outlines, and a sine bends the swimmer's tail. Adam
+moves the shares of the three and the sine's amplitude, frequency and phase together, for the distance travelled in two
+seconds. Before that, finite differences prove the gradient. The loss, the shares, and the first and the best swimmer on
+their way are drawn to FILE, an SVG (plane.svg).
+
+Exit codes: 0 done, 1 failure, 2 wrong command line.
+"""),
+}
+SHAPES = """.SH ENVIRONMENT
+.TP
+.B DQA_SHAPES_DIR
+Folder of the shapes to use in place of those that come with the programs.
+.SH FILES
+.TP
+.I ../share/diffaqua/shapes
+The shapes that come with the programs, and lists of their muscles; relative to the folder of the program.
+"""
+
+
+def roff(text):
+    """Text that troff prints as it stands."""
+    text = text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq").replace("`", "\\(ga")
+    return re.sub(r"^\.", r"\\&.", text, flags=re.M)
+
+
+def options(lines):
+    """Two columns as tagged paragraphs; a line that starts further in goes on with the one above."""
+    found = []
+    for line in lines:
+        tag = re.fullmatch(r"  (--\S+(?: \S+)?) +(\S.*)", line)
+        if tag:
+            found.append([tag.group(1), tag.group(2)])
+        else:
+            found[-1][1] += " " + line.strip()
+    for tag, text in found:
+        name, _, value = tag.partition(" ")
+        yield f".TP\n.BR {roff(name)}" + (f" \" \\fI{roff(value)}\\fR\"" if value else "") + f"\n{roff(text)}"
+
+
+def page(program, said, version):
+    name, summary, _ = PROGRAMS[program]
+    usage, *blocks = said.strip("\n").split("\n\n")
+    out = [f'.\\" Made by manpages.py from what the program says with --help.\n.TH {name.upper()} 1 "" "diffaqua {version}"',
+           f".SH NAME\n{name} \\- {roff(summary)}", ".SH SYNOPSIS"]
+    for line in usage.splitlines():
+        words = re.fullmatch(rf"(?:usage:)? *{program}(.*)", line).group(1)
+        out.append(f".B {roff(name)}\n{roff(words.strip())}\n.br")
+    out[-1] = out[-1].removesuffix("\n.br")
+    out.append(".SH DESCRIPTION")
+    section, first = "DESCRIPTION", True
+    for block in blocks:
+        lines = block.splitlines()
+        if block.startswith("Exit codes: "):
+            out.append(".SH EXIT STATUS")
+            for code, text in re.findall(r"(\d+) ([^,]+?)(?:, |\.$)", block.removeprefix("Exit codes: ")):
+                out.append(f".TP\n.B {code}\n{roff(text)}")
+            continue
+        at = next((k for k, line in enumerate(lines) if line.startswith("  --")), None)
+        if at is not None:
+            out += [".SH OPTIONS", *options(lines[at:])]
+            section, first = "OPTIONS", True
+        elif section == "OPTIONS":  # what the options refer to with "see below"
+            out += [".SH LISTS OF BASES", roff(" ".join(lines))]
+            section = "LISTS"
+        elif all(line.startswith("  ") for line in lines):
+            out += [".PP\n.nf\n.RS", roff(block), ".RE\n.fi"]
+        else:
+            out += ([] if first and section == "DESCRIPTION" else [".PP"]) + [roff(" ".join(line.strip() for line in lines))]
+            first = False
+    if program != "plane":
+        out.append(SHAPES.strip())
+    others = sorted(installed for installed, _, _ in PROGRAMS.values() if installed != name)
+    out += [".SH SEE ALSO", *(f".BR {roff(other)} (1)," for other in others), ".BR diffaqua (3)"]
+    return "\n".join(out) + "\n"
+
+
+def main():
+    arguments = sys.argv[1:]
+    check = arguments[:1] == ["--check"]
+    if check:
+        del arguments[0]
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        sys.exit(__doc__.strip())
+    with open(HEADER, encoding="utf-8") as file:
+        version = ".".join(re.findall(r"^#define DQA_VERSION_\w+ +(\d+)", file.read(), flags=re.M))
+    stale = []
+    for program, (name, _, text) in PROGRAMS.items():
+        said = text or subprocess.run([os.path.join(arguments[0], program), "--help"], check=True, capture_output=True,
+                                      text=True).stdout
+        wanted, path = page(program, said, version), os.path.join(HERE, name + ".1")
+        if not check:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(wanted)
+            continue
+        with open(path, encoding="utf-8") as file:
+            if file.read() != wanted:
+                stale.append(os.path.basename(path))
+    if stale:
+        sys.exit(f"{', '.join(stale)}: not what the programs say; run examples/man/manpages.py PROGRAMS")
+    if check:
+        print("all manual pages say what the programs say")
+
+
+if __name__ == "__main__":
+    main()
