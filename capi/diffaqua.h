@@ -84,6 +84,7 @@ DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, v
 typedef int32_t (*dqa_progress)(int64_t done, int64_t total, void *user_data);
 
 /* ------------------------------------------------------------------ cancel token */
+/* Stops long calls from another thread or a signal handler. */
 typedef struct dqa_cancel_token dqa_cancel_token;
 /* A new token that is not set. Objects whose options name it keep what they need of it: it may be freed before them. */
 DQA_API dqa_status dqa_cancel_token_create(dqa_cancel_token **token);
@@ -609,7 +610,7 @@ DQA_API dqa_status dqa_controller_save(const dqa_controller *controller, const c
 DQA_API dqa_status dqa_controller_load(const char *path, dqa_controller **controller);
 
 /* ------------------------------------------------------------------ tape */
-/* The record of one rollout: design, controller parameters, states, actuations. */
+/* What a tape may hold of a rollout: of its design, controller parameters, states and actuations. */
 typedef struct dqa_tape_options {
     uint32_t struct_size;
     uint32_t flags;          /* must be 0 */
@@ -733,6 +734,7 @@ DQA_API dqa_status dqa_adjoint_backward(dqa_adjoint *adjoint, int64_t to_step, d
 DQA_API dqa_status dqa_adjoint_get(dqa_adjoint *adjoint, int32_t with_respect_to, double *out, int64_t n);
 
 /* ------------------------------------------------------------------ proof of the gradient */
+/* What to prove, and how far. */
 typedef struct dqa_gradient_check_options {
     uint32_t struct_size;
     uint32_t flags;            /* must be 0 */

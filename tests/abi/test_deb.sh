@@ -18,14 +18,15 @@ cleanup() {
 }
 trap cleanup EXIT
 fail() { echo "$*" >&2; exit 1; }
+source=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build/CMakeCache.txt")
 
 # Of what has been built: with this generator cpack does not build first, while other tests run.
 (cd "$build" && "$cpack" -G DEB -D CPACK_CMAKE_GENERATOR="Ninja Multi-Config" -B "$work/deb") >"$work/log" 2>&1 ||
     { cat "$work/log" >&2; fail "cpack failed"; }
 for package in "$work"/deb/*.deb; do
     dpkg-deb -f "$package" Package
-    if dpkg-deb --fsys-tarfile "$package" | tar -xO | grep -qaF "$build"; then
-        fail "$package names the folder of its build"
+    if dpkg-deb --fsys-tarfile "$package" | tar -xO | grep -aF -e "$build" -e "$source" >/dev/null; then
+        fail "$package names the folder of its build or of its source"
     fi
 done >"$work/packages"
 packages=$(sort "$work/packages" | tr '\n' ' ')
