@@ -5,7 +5,8 @@
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
 #   DQA_TEST_ASAN   0 leaves the sanitizer run out
-#   DQA_TEST_INSTALL    1 lets the test of the Debian packages install them on this machine for a moment (as root)
+#   DQA_TEST_INSTALL    1 lets the test of the Debian packages install them on this machine for a moment, as root;
+#                       default: 1 where the variable CI is set, as services that test on machines of their own do
 #   DQA_TEST_COVERAGE   0 leaves the coverage run out
 set -eu
 cd "$(dirname "$0")/.."
@@ -21,6 +22,8 @@ if [ -n "${DQA_TEST_DATA:-}" ]; then
 else
     echo "run: DQA_TEST_DATA is not set: tests that read mesh files will skip"
 fi
+
+export DQA_TEST_INSTALL="${DQA_TEST_INSTALL:-${CI:+1}}"
 
 jobs=${DQA_TEST_JOBS:-$(nproc)}
 # Tests run side by side: threads of BLAS beneath them would only get in each other's way.
