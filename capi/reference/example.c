@@ -18,10 +18,10 @@ int main(void) {
     double weights[2] = {0.5, 0.5}, gradient[2], rates[2] = {0.02, 0.02}, first[2] = {0, 0}, second[2] = {0, 0}, loss;
     dqa_shape_space_options options;
     dqa_objective_term travel;
-    dqa_shape_space *space;
-    dqa_simulator *simulator;
-    dqa_controller *sine;
-    dqa_tape *tape;
+    dqa_shape_space* space;
+    dqa_simulator* simulator;
+    dqa_controller* sine;
+    dqa_tape* tape;
 
     ok(dqa_shape_space_options_init(&options, sizeof options));
     options.dims = 2;
@@ -38,7 +38,7 @@ int main(void) {
     ok(dqa_objective_term_init(&travel, sizeof travel)); /* minus the distance travelled */
 
     for (int k = 1; k <= 3; ++k) {
-        dqa_adjoint *adjoint;
+        dqa_adjoint* adjoint;
         ok(dqa_simulator_set_weights(simulator, weights, 2, NULL, NULL)); /* a new design, at rest */
         ok(dqa_tape_clear(tape));
         ok(dqa_simulator_rollout(simulator, sine, 12, tape, NULL, NULL));

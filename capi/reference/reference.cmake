@@ -2,7 +2,7 @@
 # The reference as pages for the browser and as the manual page diffaqua(3), both from the header: target `reference`.
 # Where doxygen and Python are there, it is built and installed with the rest; elsewhere the header is the reference.
 option(DQA_BUILD_REFERENCE "HTML reference and diffaqua(3), where doxygen and Python are there" ${PROJECT_IS_TOP_LEVEL})
-if(DQA_BUILD_REFERENCE)
+if(DQA_BUILD_REFERENCE AND NOT DQA_SANITIZE AND NOT DQA_COVERAGE)
   find_package(Python3 QUIET COMPONENTS Interpreter)
   find_program(dqa_doxygen doxygen)
   mark_as_advanced(dqa_doxygen)

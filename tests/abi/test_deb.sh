@@ -3,10 +3,11 @@
 # cpack's Debian packages: lintian finds no errors; unpacked, installed by dpkg into a root of their own, and a program
 # of theirs swims; removed, nothing is left. With DQA_TEST_INSTALL=1 and as root they are installed on this machine too,
 # with their dependencies checked, and removed again.
-#   test_deb.sh CPACK BUILD     77: a tool is not there
+#   test_deb.sh CPACK BUILD COMPILER VERSION     77: a tool is not there
 set -eu
-cpack=$1 build=$2
-for tool in dpkg dpkg-deb dpkg-shlibdeps lintian gzip; do
+cpack=$1 build=$2 compiler=$3 version=$4
+consumer=$(cd "$(dirname "$0")/consumer" && pwd)/main.c
+for tool in dpkg dpkg-deb dpkg-shlibdeps lintian gzip pkg-config; do
     command -v "$tool" >/dev/null || { echo "skipped: no $tool (Debian: dpkg-dev, lintian)"; exit 77; }
 done
 work=$(mktemp -d)
@@ -62,6 +63,10 @@ listing "$root" >"$work/with"
 [ "$(wc -l <"$work/with")" -gt 60 ] || fail "few files were installed"
 library=$(cd "$root" && find usr -name 'libdiffaqua.so.[0-9]' | head -n 1)
 try "$root/usr/bin" "$root/$(dirname "$library")"
+# shellcheck disable=SC2046  # flags are meant to be split
+"$compiler" -std=c99 -o "$work/consumer" "$consumer" \
+    $(PKG_CONFIG_PATH=$root/$(dirname "$library")/pkgconfig pkg-config --cflags --libs diffaqua)
+LD_LIBRARY_PATH=$root/$(dirname "$library") "$work/consumer" "$version"
 # shellcheck disable=SC2086  # one word each
 $private --purge $packages >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "dpkg could not remove"; }
 listing "$root" >"$work/after"
