@@ -50,8 +50,7 @@ void plot_page(FILE* f, const char* picture, const char* script, int width, int 
             picture, script, picture, width, height, width, height);
 }
 
-void plot_head(FILE* f, const char* picture, const char* script) {
-    plot_page(f, picture, script, (int)PICTURE_WIDTH, (int)PICTURE_HEIGHT);
+void plot_lines(FILE* f) {
     fputs(
         "set datafile separator ','\n"
         "set border 3 lc rgb '#606060'\n"
@@ -66,6 +65,11 @@ void plot_head(FILE* f, const char* picture, const char* script) {
         "set linetype 7 lc rgb '#7f3c8d' lw 3\n"
         "set linetype 8 lc rgb '#404040' lw 3\n",
         f);
+}
+
+void plot_head(FILE* f, const char* picture, const char* script) {
+    plot_page(f, picture, script, (int)PICTURE_WIDTH, (int)PICTURE_HEIGHT);
+    plot_lines(f);
 }
 
 /* The panel between fractions left and right of the picture's width, in its upper part; its key goes below. */

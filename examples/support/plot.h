@@ -14,7 +14,9 @@
 void plot_quoted(FILE* f, const char* text, size_t most);
 /* Beginning of the script `script` that draws `picture` of so many pixels. Afterwards it stands in a multiplot. */
 void plot_page(FILE* f, const char* picture, const char* script, int width, int height);
-/* The same for curves and swimmers: page, colours, lines. */
+/* The look of curves: the tables' separator, axes, colours. */
+void plot_lines(FILE* f);
+/* Both, for curves and swimmers. */
 void plot_head(FILE* f, const char* picture, const char* script);
 /* The panel between fractions left and right of the picture's width, in its upper part; its key goes below. */
 void plot_panel(FILE* f, const char* title, double left, double right);

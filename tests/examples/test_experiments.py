@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The paper's experiments: test_experiments.py PROGRAM runs one of them with --quick, checks what it has to show from
 its own tables, and that it goes on bit for bit after a kill."""
+import csv
 import glob
 import math
 import os
@@ -248,9 +249,42 @@ class ShapeExploration(Experiment):
             results.read_stl(os.path.join(self.out, f"shape_{k:02d}.stl"))
 
 
+class DomainError(Experiment):
+    def test_shows_what_it_has_to(self):
+        self.assert_shown("falls_with_threshold", "body_alone_is_worse")
+        with open(os.path.join(self.out, "domain_error.csv"), newline="") as stream:
+            rows = {float(row["threshold"]): row for row in csv.DictReader(stream)}
+        self.assertEqual(set(map(float, rows)), {domain["threshold"] for domain in self.summary["domains"]})
+        box, body = rows[0.0], rows[max(rows)]
+        self.assertEqual(int(box["cells"]), math.prod(map(int, self.summary["grid"])))
+        self.assertEqual(float(box["error_nodes"]), 0.0)
+        # Fewer cells with a higher threshold, and more error up to the library's own; linear in the faint cells' share.
+        cells = [int(rows[threshold]["cells"]) for threshold in sorted(rows)]
+        self.assertEqual(cells, sorted(cells, reverse=True))
+        errors = [float(rows[threshold]["error_nodes"]) for threshold in (0.001, 0.002, 0.005, 0.01, 0.02)]
+        self.assertEqual(errors, sorted(errors))
+        self.assertLess(errors[-1], float(body["error_nodes"]))
+        self.assertLess(errors[0], 0.2 * errors[-1])
+        for row in rows.values():
+            # The middle is off by at most what its nodes are off on average.
+            self.assertLessEqual(float(row["error_centre"]), float(row["error_nodes"]))
+            self.assertGreater(float(row["travel"]), 0.0)
+
+    def test_curves(self):
+        names, rows = results.read_history(self.out)
+        steps = self.summary["steps"]
+        self.assertEqual([int(row[0]) for row in rows], list(range(steps + 1)))
+        for k, domain in enumerate(self.summary["domains"]):
+            self.assertEqual(float(rows[0][k + 1]), 0.0)
+            self.assertEqual(float(rows[-1][k + 1]), domain["error_nodes"])
+
+    def test_files(self):
+        self.assert_files("domain_error.png", "domain_error.csv", "history.csv", "summary.json")
+
+
 class CommandLine(unittest.TestCase):
     def test_refusals(self):
-        for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--quick", "no_such_mesh.stl"],
+        for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--quick", "a.stl", "b.stl", "c.stl", "d.stl"],
                       ["--sigma", "0"]):
             process = results.run(PROGRAM, *words)
             self.assertEqual(process.returncode, 2, (words, process.stderr))
@@ -268,7 +302,8 @@ def main():
     if arguments() is None:
         print("skipped: the shapes are neither shipped nor in the folder named by DQA_TEST_DATA")
         return 77
-    cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration}
+    cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration,
+             "domain_error": DomainError}
     loader, suite = unittest.TestLoader(), unittest.TestSuite()
     for case in (CommandLine, cases[name()]):
         suite.addTests(loader.loadTestsFromTestCase(case))
