@@ -75,8 +75,8 @@ static int write_muscles(const animal* a, const char* folder, vec centre, double
     FILE* file = opened(folder, a->name, "txt", path, sizeof(path));
     int good;
     if (file == NULL) return 0;
-    good = fprintf(file, "# %s: muscles for a body length of 1 m, from the centre of mass\nbase %s.stl\n", a->what,
-                   a->name) > 0;
+    good = fprintf(file, "# %s: muscles for a body length of 1 m, from the centre of mass\nlengths own\nbase %s.stl\n",
+                   a->what, a->name) > 0;
     for (int k = 0; k < a->muscles; ++k) {
         const muscle* m = &a->muscle[k];
         const double at[3] = {scale * m->mean[0] + shift - centre.x, scale * m->mean[1], scale * m->mean[2] - centre.z};

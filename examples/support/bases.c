@@ -18,6 +18,7 @@ typedef struct reader {
     const char* path;
     int line;
     int32_t base; /* of the open block; -1 before the first */
+    int own;      /* lengths are relative to those of each animal */
     bases* list;
     int (*add_mesh)(void* context, const char* mesh);
     void* context;
@@ -141,6 +142,7 @@ static int read_actuator(reader* r, int32_t kind, char* rest) {
     a = &grown[b->n_actuators];
     a->base = r->base;
     a->line = r->line;
+    a->own = r->own;
     outcome = say_status(dqa_actuator_options_init(&a->options, sizeof a->options), "set up an actuator");
     if (outcome != DONE) return outcome;
     a->options.kind = kind;
@@ -177,6 +179,16 @@ static int read_base(reader* r, char* rest) {
     return outcome;
 }
 
+static int read_lengths(reader* r, char* rest) {
+    const char* word = next_word(&rest);
+    if (word == NULL || (strcmp(word, "own") != 0 && strcmp(word, "longest") != 0) || next_word(&rest) != NULL) {
+        say("%s:%d: lengths expects own or longest, not \"%s\"", r->path, r->line, word != NULL ? word : "end of line");
+        return USAGE;
+    }
+    r->own = strcmp(word, "own") == 0;
+    return DONE;
+}
+
 static int read_line(reader* r, char* line) {
     char *rest = line, *comment = strchr(line, '#');
     const char* word;
@@ -186,12 +198,13 @@ static int read_line(reader* r, char* line) {
     if (strcmp(word, "base") == 0) return read_base(r, rest);
     if (strcmp(word, "caudal") == 0) return read_actuator(r, DQA_ACTUATOR_CAUDAL, rest);
     if (strcmp(word, "fins") == 0) return read_actuator(r, DQA_ACTUATOR_FINS, rest);
-    say("%s:%d: expected base, caudal or fins, not \"%s\"", r->path, r->line, word);
+    if (strcmp(word, "lengths") == 0) return read_lengths(r, rest);
+    say("%s:%d: expected base, caudal, fins or lengths, not \"%s\"", r->path, r->line, word);
     return USAGE;
 }
 
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context) {
-    reader r = {path, 0, b->n_bases - 1, b, add_mesh, context};
+    reader r = {path, 0, b->n_bases - 1, 0, b, add_mesh, context};
     char line[LINE_SIZE];
     FILE* stream = fopen(path, "r");
     int outcome = DONE;
@@ -225,7 +238,7 @@ int bases_add_actuators(const bases* b, const char* path, const double* lengths,
     int outcome = DONE;
     for (int32_t i = 0; i < b->n_actuators && outcome == DONE; ++i) {
         const bases_actuator* a = &b->actuators[i];
-        const double length = lengths != NULL ? lengths[a->base] : 1.0;
+        const double length = a->own && lengths != NULL ? lengths[a->base] : 1.0;
         dqa_actuator_options options = a->options;
         char doing[512];
         for (int k = 0; k < 3; ++k) {

@@ -11,7 +11,10 @@
  * fins), the middle of its box, the half lengths of the box's edges, and optionally its Euler angles in degrees, its
  * category (0 for caudal and 1 for fins unless given), and for fins their layers (1 to 4) and the side (left or right)
  * when only one of the two is described; otherwise the left one is, and the right one is its mirror image. A base
- * without actuators gets them from its geometry. What follows a # is a comment. */
+ * without actuators gets them from its geometry. What follows a # is a comment.
+ *
+ * After a line "lengths own" the lengths of the list are those of an animal 1 m long, each of its own: a shape
+ * described so fits with every other one. "lengths longest" goes back to metres. */
 #ifndef DQA_EXAMPLES_BASES_H
 #define DQA_EXAMPLES_BASES_H
 
@@ -22,6 +25,7 @@
 typedef struct bases_actuator {
     int32_t base; /* index of its mesh in the list */
     int line;     /* in the file */
+    int own;      /* its lengths are relative to that of its own animal */
     dqa_actuator_options options;
 } bases_actuator;
 
@@ -35,7 +39,7 @@ typedef struct bases {
  * or FAILED (said, with the number of the line). */
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context);
 /* Gives a space, whose bases are the meshes of the list and whose cell size is set, the actuators. lengths [bases] (m;
- * NULL: 1 m each): of the animals, where the list describes them as if each were 1 m long. */
+ * NULL: 1 m each): of the animals, for lists of which each is described as if it were 1 m long. */
 int bases_add_actuators(const bases* b, const char* path, const double* lengths, dqa_shape_space* space);
 void bases_free(bases* b);
 

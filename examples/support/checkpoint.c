@@ -53,9 +53,9 @@ char* checkpoint_settings(const options* o) {
     }
     for (int32_t i = 0; i < o->list.n_actuators; ++i) {
         const dqa_actuator_options* a = &o->list.actuators[i].options;
-        memory_text_add(&t, "actuator-%d base %d kind %d category %d side %d layers %d", (int)i + 1,
+        memory_text_add(&t, "actuator-%d base %d kind %d category %d side %d layers %d lengths %s", (int)i + 1,
                         (int)o->list.actuators[i].base + 1, (int)a->kind, (int)a->category, (int)a->side,
-                        (int)a->layers);
+                        (int)a->layers, o->list.actuators[i].own ? "own" : "longest");
         for (int k = 0; k < 3; ++k) memory_text_add(&t, " %.17g %.17g %.17g", a->mean[k], a->variance[k], a->euler[k]);
         memory_text_add(&t, "\n");
     }

@@ -71,7 +71,8 @@ static const char help[] =
     "Euler angles in degrees about x, y, z, and a category (0 to 15; 0 for caudal and 1 for fins unless given):\n"
     "actuators of one category are interpolated between the meshes. Fins are described on the left and mirrored\n"
     "to the right, or each by itself with \"side left\" and \"side right\"; they have 1 to 4 layers (4) with 4\n"
-    "signals each. A base without actuators gets them from its geometry.\n"
+    "signals each. A base without actuators gets them from its geometry. After \"lengths own\" (shipped lists)\n"
+    "each animal counts as 1 m long.\n"
     "\n"
     "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
 

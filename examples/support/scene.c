@@ -41,7 +41,7 @@ static int length_of(const dqa_shape_space* space, int32_t base, const dqa_shape
     return outcome;
 }
 
-/* Lengths of actuators need the size of a cell, and those of the lists that come with the shapes the length of each
+/* Lengths of actuators need the size of a cell, and in lists like those that come with the shapes the length of each
  * animal in its box [n_meshes]; both follow from the meshes: a first space finds them. */
 static int find_sizes(scene* s, const options* o, dqa_shape_space_options* settings, double* lengths) {
     dqa_shape_space_info info;
@@ -75,7 +75,7 @@ static int build_space(scene* s, const options* o, progress* p) {
     if (o->list.n_actuators > 0) outcome = find_sizes(s, o, &settings, lengths);
     if (outcome == DONE) outcome = say_status(dqa_shape_space_create(&settings, &s->space), "create the shape space");
     if (outcome == DONE) outcome = add_meshes(s, o);
-    if (outcome == DONE) outcome = bases_add_actuators(&o->list, o->bases_file, o->shipped ? lengths : NULL, s->space);
+    if (outcome == DONE) outcome = bases_add_actuators(&o->list, o->bases_file, lengths, s->space);
     if (outcome == DONE)
         outcome = say_status(dqa_shape_space_build(s->space, progress_callback, p), "build the shape space");
     if (outcome == DONE) progress_stage_done(p);

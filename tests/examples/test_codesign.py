@@ -602,7 +602,9 @@ class Refusals(Scratch):
 
         base = "base some.stl\n"
         for line, pattern in {
-                "shark.stl": r"list\.txt:2: expected base, caudal or fins",
+                "shark.stl": r"list\.txt:2: expected base, caudal, fins or lengths",
+                "lengths": r"list\.txt:2: lengths expects own or longest, not \"end of line\"",
+                "lengths 2": r"list\.txt:2: lengths expects own or longest, not \"2\"",
                 "base": r"list\.txt:2: base expects the path",
                 "caudal half 1 1 1": r"list\.txt:2: the actuator needs \"mean\"",
                 "caudal mean 0 0 0": r"list\.txt:2: the actuator needs \"half\"",

@@ -221,6 +221,25 @@ class ShapeExploration(Experiment):
         self.assertLess(max(volumes), 1.25 * max(corners))
         self.assertGreater(min(volumes), 0.75 * min(corners))
 
+    def test_lists(self):
+        """The shipped lists in one file of the user's own are what the program takes itself, and are scaled."""
+        tiny = ["--grid", "24x22x8", "--out"]
+        text = ""
+        for shape in self.summary["bases"]:
+            with open(os.path.join(SHAPES, shape + ".txt"), encoding="utf-8") as stream:
+                text += stream.read().replace("base ", "base " + os.path.abspath(SHAPES) + "/")
+        found = []
+        for k, words in enumerate(([], ["lengths own"], ["lengths longest"])):
+            out = os.path.join(self.root, f"lists-{k}")
+            path = os.path.join(self.root, f"list-{k}.txt")
+            with open(path, "w", encoding="utf-8") as stream:
+                stream.write(text.replace("lengths own", *words) if words else "")
+            process = results.run(PROGRAM, *(["--bases-file", path] if words else []), *tiny, out)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            found.append([shape["muscle_cells"] for shape in results.read_summary(out)["shapes"]])
+        self.assertEqual(found[0], found[1])
+        self.assertNotEqual(found[0], found[2])
+
     def test_resume(self):
         """Killed between shapes: the tables, the surfaces and the picture are those of the whole run."""
         out = os.path.join(self.root, "cut")
