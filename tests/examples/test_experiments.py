@@ -20,7 +20,8 @@ PROGRAM = ""
 SHAPES = os.environ.get("DQA_SHAPES_DIR") or os.path.join(
     os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
 TINY = {"open_loop": ["--grid", "24x8x8", "--steps", "3", "--iterations", "2", "--generations", "3"],
-        "shape_optimization": ["--grid", "20x8x10", "--steps", "3", "--iterations", "5"]}
+        "shape_optimization": ["--grid", "20x8x10", "--steps", "3", "--iterations", "5"],
+        "pareto": ["--quick", "--grid", "20x8x8", "--steps", "3", "--iterations", "2"]}
 
 
 def name():
@@ -301,6 +302,83 @@ class DomainError(Experiment):
         self.assert_files("domain_error.png", "domain_error.csv", "history.csv", "summary.json")
 
 
+class Pareto(Experiment):
+    def read_gamut(self, out):
+        with open(os.path.join(out, "gamut.csv"), newline="") as stream:
+            return list(csv.DictReader(stream))
+
+    def points(self, rows, method):
+        """Losses over the sizes of the first ones."""
+        first = list(map(abs, self.summary["initial"]))
+        return [(float(row["travel"]) / first[0], float(row["efficiency"]) / first[1])
+                for row in rows if row["method"] == method]
+
+    def volume(self, points):
+        """By inclusion of columns, one between each two neighbouring losses."""
+        x = sorted({min(point[0], self.summary["reference"][0]) for point in points} | {self.summary["reference"][0]})
+        total = 0.0
+        for left, right in zip(x, x[1:]):
+            lowest = min([point[1] for point in points if point[0] <= left] + [self.summary["reference"][1]])
+            total += (right - left) * (self.summary["reference"][1] - lowest)
+        return total
+
+    def test_gamut(self):
+        rows = self.read_gamut(self.out)
+        self.assertEqual(len(self.summary["bases"]), 12)
+        self.assertEqual(self.summary["parameters"], 6541)
+        for method, told in self.summary["methods"].items():
+            points = self.points(rows, method)
+            ranks = [int(row["rank"]) for row in rows if row["method"] == method]
+            self.assertGreaterEqual(len(points), told["simulations"])
+            beaten = [any(b[0] <= a[0] and b[1] <= a[1] and b != a for b in points) for a in points]
+            self.assertEqual([rank == 0 for rank in ranks], [not flag for flag in beaten])
+            self.assertAlmostEqual(self.volume(points), told["hypervolume"], delta=1e-9 * told["hypervolume"])
+            for leg in told["legs"]:
+                self.assertTrue(0.0 <= leg["w"] <= 1.0)
+        for row in rows:
+            shares = [float(row["weight_" + base]) for base in self.summary["bases"]]
+            self.assertAlmostEqual(sum(shares), 1.0, delta=1e-9)
+
+    def test_methods(self):
+        sweep, bisect = self.summary["methods"]["sweep"], self.summary["methods"]["bisect"]
+        weights = [leg["w"] for leg in sweep["legs"]]
+        self.assertEqual(weights, [k / (len(weights) - 1) for k in range(len(weights))])
+        self.assertEqual([leg["w"] for leg in bisect["legs"][:3]], [0.5, 1.0, 0.0])
+        self.assertLess(bisect["simulations"], sweep["simulations"])
+        self.assert_shown("more_volume_per_simulation")
+        rows = self.read_gamut(self.out)
+        first = {(row["travel"], row["efficiency"]) for row in rows if row["method"] == "sweep" and row["iteration"] == "1"}
+        self.assertEqual(len(first), 1, "every weight starts from the same design")
+        with open(os.path.join(self.out, "hypervolume.csv"), newline="") as stream:
+            volumes = [float(row["hypervolume"]) for row in csv.DictReader(stream) if row["method"] == "bisect"]
+        self.assertEqual(volumes, sorted(volumes))
+        self.assertEqual(volumes[-1], bisect["hypervolume"])
+
+    def test_files(self):
+        self.assert_files("pareto.png", "summary.json", "report.html", "gamut.csv", "hypervolume.csv")
+
+    def test_resume(self):
+        whole = os.path.join(self.root, "whole")
+        self.assertEqual(results.run(PROGRAM, *TINY[name()], "--out", whole).returncode, 0)
+        for leg in ("sweep_1", "bisect_2"):
+            out = os.path.join(self.root, "cut-" + leg)
+            process = subprocess.Popen([PROGRAM, *TINY[name()], "--out", out], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            while not os.path.exists(os.path.join(out, leg, "history.csv")) and process.poll() is None:
+                time.sleep(0.002)
+            process.kill()
+            process.wait()
+            again = results.run(PROGRAM, *TINY[name()], "--out", out, "--resume")
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertIn("continues after iteration", again.stderr)
+            for file in ("gamut.csv", "hypervolume.csv", "signals.csv"):
+                with open(os.path.join(out, file), "rb") as one, open(os.path.join(whole, file), "rb") as other:
+                    self.assertEqual(one.read(), other.read(), file)
+        other = results.run(PROGRAM, *TINY[name()], "--out", whole, "--resume", "--steps", "4")
+        self.assertEqual(other.returncode, 2)
+        self.assertIn("steps", other.stderr)
+
+
 class CommandLine(unittest.TestCase):
     def test_refusals(self):
         for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--quick", "a.stl", "b.stl", "c.stl", "d.stl"],
@@ -322,7 +400,7 @@ def main():
         print("skipped: the shapes are neither shipped nor in the folder named by DQA_TEST_DATA")
         return 77
     cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration,
-             "domain_error": DomainError}
+             "domain_error": DomainError, "pareto": Pareto}
     loader, suite = unittest.TestLoader(), unittest.TestSuite()
     for case in (CommandLine, cases[name()]):
         suite.addTests(loader.loadTestsFromTestCase(case))
