@@ -3,8 +3,8 @@
 //! pkg-config knows it.
 use std::{env, path::Path};
 
-/// The version that diffaqua.h had when src/bindings.rs was made from it.
-const LEAST_VERSION: &str = "0.1.0";
+/// Versions whose interface is that of src/bindings.rs: below 1.0 a new minor one may change it.
+const VERSIONS: std::ops::Range<&str> = "0.1.0".."0.2.0";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -14,11 +14,12 @@ fn main() {
     }
     let found = match env::var("DIFFAQUA_LIBRARY") {
         Ok(path) => from_path(&path),
-        Err(_) => match pkg_config::Config::new().atleast_version(LEAST_VERSION).probe("diffaqua") {
+        Err(_) => match pkg_config::Config::new().range_version(VERSIONS).probe("diffaqua") {
             Ok(_) => Ok(()),
             Err(error) => Err(format!(
-                "libdiffaqua {LEAST_VERSION} or later was not found. Set PKG_CONFIG_PATH to the folder of its \
-                 diffaqua.pc, or DIFFAQUA_LIBRARY to the path of libdiffaqua.so.\n{error}"
+                "libdiffaqua, from {} to below {}, was not found. Set PKG_CONFIG_PATH to the folder of its \
+                 diffaqua.pc, or DIFFAQUA_LIBRARY to the path of libdiffaqua.so.\n{error}",
+                VERSIONS.start, VERSIONS.end
             )),
         },
     };

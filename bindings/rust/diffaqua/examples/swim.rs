@@ -4,17 +4,24 @@
 //!   swim [ITERATIONS [MESH MESH]]     default 10, with examples/shapes/tuna.stl and eel_vertical.stl
 //!
 //! Meshes become a shape space; each iteration makes a design from weights on the simplex, records a rollout, sweeps back
-//! through it, and steps weights and sine by Adam. Progress of the slow calls goes to the standard error.
-use std::{env, io::Write, process::ExitCode};
+//! through it, and steps weights and sine by Adam. A terminal sees the progress of the slow calls.
+use std::{
+    env,
+    io::{self, IsTerminal, Write},
+    process::ExitCode,
+};
 
 use diffaqua::*;
 
 const STEPS: usize = 20;
 
 fn progress(what: &'static str) -> impl FnMut(usize, usize) {
+    let mut screen = io::stderr();
     move |done, total| {
-        eprint!("\r{what} {:3} % ", 100 * done / total.max(1));
-        let _ = std::io::stderr().flush();
+        if screen.is_terminal() {
+            let _ = write!(screen, "\r{what} {:3} %\r", 100 * done / total.max(1));
+            let _ = screen.flush();
+        }
     }
 }
 
@@ -48,7 +55,6 @@ fn swim(iterations: usize, meshes: &[String]) -> Result<()> {
         simulator.rollout_with(&sine, STEPS, Some(&mut tape), progress("rollout"))?;
         let (loss, _) = tape.objective(&travel)?;
         let shares: Vec<String> = weights.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect();
-        eprint!("\r");
         println!(
             "{iteration:3}: travels {:7.3} mm with {}, amplitude {:.2}, {:.1} rad/s",
             -1e3 * loss,

@@ -48,9 +48,18 @@ pub(crate) fn contained(call: impl FnOnce() -> ControlFlow<()>) -> i32 {
                     *kept = payload.take(); // the first one counts
                 }
             });
-            mem::forget(payload); // dropping it could panic again
+            if let Some(later) = payload {
+                discard(later);
+            }
             1
         }
+    }
+}
+
+/// Drops what a panic carried, which may panic again.
+pub(crate) fn discard(payload: Box<dyn Any + Send>) {
+    if let Err(again) = panic::catch_unwind(AssertUnwindSafe(|| drop(payload))) {
+        mem::forget(again);
     }
 }
 

@@ -2,13 +2,12 @@
 //! The library's messages.
 use std::{
     ffi::{c_char, c_void},
-    mem,
     panic::{self, AssertUnwindSafe},
     ptr,
     sync::{Arc, Mutex, PoisonError, RwLock},
 };
 
-use crate::{LogLevel, Result, error::check, handle, info::FromRaw, sys};
+use crate::{LogLevel, Result, callback, error::check, handle, info::FromRaw, sys};
 
 type Handler = dyn Fn(LogLevel, &str) + Send + Sync;
 
@@ -26,7 +25,7 @@ unsafe extern "C" fn pass_on(level: i32, message: *const c_char, _data: *mut c_v
     };
     // A message may come from any thread and stops nothing: the panic hook has told what there is to tell.
     if let Err(payload) = panic::catch_unwind(AssertUnwindSafe(call)) {
-        mem::forget(payload);
+        callback::discard(payload);
     }
 }
 

@@ -268,6 +268,37 @@ fn losses_of_the_callers_own() {
 }
 
 #[test]
+fn every_gradient_has_its_shape() {
+    let mut simulator = swimmer(&settings());
+    let mut tape = Tape::new(&simulator).unwrap();
+    simulator.rollout(&Controller::sinusoid(1, TIME_STEP).unwrap(), 4, Some(&mut tape)).unwrap();
+    let (n, dims, cells) = (simulator.info().unwrap().n_nodes, 2, 20 * 8);
+    let shapes = [
+        (Wrt::Weights, 2),
+        (Wrt::Control, 3),
+        (Wrt::Actuation, 4),
+        (Wrt::InitialPosition, n * dims),
+        (Wrt::InitialVelocity, n * dims),
+        (Wrt::Water, dims + 9),
+        (Wrt::Current, 4 * dims),
+        (Wrt::CurrentTable, dims),
+        (Wrt::YoungsModulus, cells),
+        (Wrt::MuscleStiffness, cells),
+        (Wrt::Material, 4),
+        (Wrt::Lame, 2),
+    ];
+    let gradients = tape.gradient(&travel(), shapes.map(|shape| shape.0)).unwrap();
+    for (gradient, (wrt, length)) in gradients.iter().zip(shapes) {
+        assert!(gradient.len() == length && gradient.iter().any(|&g| g != 0.0), "{wrt:?}");
+    }
+    // Steps without a controller have no gradient by its parameters.
+    tape.clear().unwrap();
+    simulator.step(&[0.5], Some(&mut tape)).unwrap();
+    refused(tape.gradient(&travel(), [Wrt::Control]), Status::State, "controller");
+    assert_eq!(tape.gradient(&travel(), [Wrt::Actuation]).unwrap()[0].len(), 1);
+}
+
+#[test]
 fn objects_move_and_are_shared() {
     fn send<T: Send>() {}
     fn share<T: Send + Sync>() {}
