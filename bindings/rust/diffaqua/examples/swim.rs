@@ -3,8 +3,8 @@
 //!
 //!   swim [ITERATIONS [MESH MESH]]     default 10, with examples/shapes/tuna.stl and eel_vertical.stl
 //!
-//! Meshes become a shape space; each iteration makes a design from weights on the simplex, records a rollout, sweeps back
-//! through it, and steps weights and sine by Adam. A terminal sees the progress of the slow calls.
+//! Meshes become a shape space; each iteration makes a design from weights on the simplex, records a rollout, sweeps
+//! back through it, and steps weights and sine by Adam. A terminal sees the progress of the slow calls.
 use std::{
     env,
     io::{self, IsTerminal, Write},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! Closures that the library calls. A panic never crosses it: it is kept for this thread, the call is asked to stop, and
-//! `check` lets the panic go on where the call returns. All callbacks but the log's run on the thread of the call.
+//! Closures that the library calls. A panic never crosses it: it is kept for this thread, the call is asked to stop,
+//! and `check` lets the panic go on where the call returns. All callbacks but the log's run on the thread of the call.
 use std::{
     any::Any,
     cell::RefCell,

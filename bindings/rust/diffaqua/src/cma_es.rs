@@ -32,6 +32,7 @@ impl CmaEs {
     }
 
     /// Candidates `[population][n]` of this generation; asking again before telling gives the same ones.
+    /// [`Status::Diverged`](crate::Status::Diverged) when the step size has grown until they overflow.
     pub fn ask(&mut self) -> Result<Vec<f64>> {
         let info = self.info()?;
         let mut candidates = vec![0.0; info.population * info.n];
@@ -76,7 +77,7 @@ impl CmaEs {
         check(unsafe { sys::dqa_cma_es_save(self.0.get(), path.as_ptr()) })
     }
 
-    /// The search of a file that [`save`](Self::save) wrote.
+    /// The search of a file that [`save`](Self::save) wrote; [`Status::File`](crate::Status::File) for any other.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = c_path(path.as_ref())?;
         // SAFETY: a C string that lives for the call.

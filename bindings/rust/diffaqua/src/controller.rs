@@ -43,7 +43,7 @@ unsafe extern "C" fn evaluate(
     n_signals: i64,
     data: *mut c_void,
 ) -> i32 {
-    // SAFETY: `data` is the Control that the controller or the tape keeps; the arrays have as many elements as they say.
+    // SAFETY: `data` is the Control that controller or tape keep; the arrays have as many elements as they say.
     callback::contained(|| unsafe {
         let (sensors, theta) = (callback::view(sensors, n_sensors), callback::view(theta, n_parameters));
         let input = ControlInput { step: step as usize, time, sensors, theta };
@@ -102,8 +102,8 @@ impl Controller {
         Self::create(|out| unsafe { sys::dqa_controller_create_sinusoid(index(n_signals), time_step, out) })
     }
 
-    /// Closed loop: a multilayer perceptron with tanh after every layer, whose initial weights come from a seed. It sees
-    /// the sensors and, unless switched off, the time within a period. Theta: for each layer weights
+    /// Closed loop: a multilayer perceptron with tanh after every layer, whose initial weights come from a seed. It
+    /// sees the sensors and, unless switched off, the time within a period. Theta: for each layer weights
     /// `[outputs][inputs]`, then biases `[outputs]`.
     pub fn perceptron(options: &PerceptronOptions) -> Result<Self> {
         // SAFETY: the struct lives for the call.
@@ -111,8 +111,8 @@ impl Controller {
     }
 
     /// A controller of the caller's own, with initial parameters theta: `evaluate(input, actuation)` writes
-    /// all of `[n_signals]`, each in [-1, 1]. It must depend on its input alone. Without pullback an open loop still gives every
-    /// gradient but [`Wrt::Control`](crate::Wrt::Control); an adjoint of a closed one is refused.
+    /// all of `[n_signals]`, each in [-1, 1]. It must depend on its input alone. Without pullback an open loop still
+    /// gives every gradient but [`Wrt::Control`](crate::Wrt::Control); an adjoint of a closed one is refused.
     pub fn callback<F, A>(options: &CallbackOptions, theta: &[f64], evaluate: F) -> Result<Self>
     where
         F: Fn(ControlInput<'_>, &mut [f64]) -> A + Send + Sync + 'static,
@@ -195,14 +195,15 @@ impl Controller {
         Ok(actuation)
     }
 
-    /// Writes settings and parameters to a file, whole or not at all. Closures cannot be saved.
+    /// Writes settings and parameters to a file, whole or not at all ([`Status::Io`](crate::Status::Io)). Closures
+    /// cannot be saved ([`Status::Unsupported`](crate::Status::Unsupported)).
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = c_path(path.as_ref())?;
         // SAFETY: a C string that lives for the call.
         check(unsafe { sys::dqa_controller_save(self.get(), path.as_ptr()) })
     }
 
-    /// The controller of a file that [`save`](Self::save) wrote.
+    /// The controller of a file that [`save`](Self::save) wrote; [`Status::File`](crate::Status::File) for any other.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = c_path(path.as_ref())?;
         // SAFETY: a C string that lives for the call.

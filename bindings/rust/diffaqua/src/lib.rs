@@ -24,13 +24,16 @@
 //!
 //! - **Arrays** are flat and row-major; the shape stands in the documentation, `[n_nodes][dims]`, and is checked.
 //! - **Units** are SI: metres, seconds, kilograms, newtons, pascals.
-//! - **Errors** are [`Error`]s with a [`Status`] and the library's message.
+//! - **Errors** are [`Error`]s with a [`Status`] and the library's message. Any call fails with [`Status::Argument`] for
+//!   an array of the wrong length or a number out of its range, and with [`Status::State`] for what an object cannot do
+//!   yet or any more; other failures stand at the calls.
 //! - **Objects** are freed when dropped, in any order: what is made from one keeps what it needs of it. An [`Adjoint`]
 //!   borrows its [`Tape`], since nothing may be recorded while one walks over it.
-//! - **Threads.** All objects may move between threads. A [`ShapeSpace`], a [`Tape`] and a [`CancelToken`] may be shared.
+//! - **Threads.** All objects may move between threads. A [`ShapeSpace`], a [`Tape`] and a [`CancelToken`] may be
+//!   shared.
 //! - **Callbacks** are closures that return `()` or [`ControlFlow`](std::ops::ControlFlow): `Break(())` stops the call
-//!   with [`Status::Cancelled`]. A panic in one stops the call as well, never crosses the library, and goes on where the
-//!   call returns; the objects stay usable.
+//!   with [`Status::Cancelled`]. A panic in one stops the call as well, never crosses the library, and goes on where
+//!   the call returns; the objects stay usable.
 
 mod callback;
 mod cancel;

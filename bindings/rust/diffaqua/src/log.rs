@@ -29,9 +29,9 @@ unsafe extern "C" fn pass_on(level: i32, message: *const c_char, _data: *mut c_v
     }
 }
 
-/// Gives messages of `level` and graver ones to `handler`, from any thread, for the whole process; the handler before it
-/// gets no more. It may call the library. A panic in it is reported by the panic hook and otherwise ignored. Texts are
-/// for people and may change.
+/// Gives messages of `level` and graver ones to `handler`, from any thread, for the whole process; the handler before
+/// it gets no more. It may call the library. A panic in it is reported by the panic hook and otherwise ignored. Texts
+/// are for people and may change.
 pub fn set_log_handler(level: LogLevel, handler: impl Fn(LogLevel, &str) + Send + Sync + 'static) -> Result<()> {
     let turn = SETTING.lock().unwrap_or_else(PoisonError::into_inner);
     let before = HANDLER.write().unwrap_or_else(PoisonError::into_inner).replace(Arc::new(handler));

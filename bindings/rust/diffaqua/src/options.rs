@@ -249,8 +249,8 @@ options! {
 
     /// Of [`Tape::with_options`](crate::Tape::with_options).
     TapeOptions = dqa_tape_options by dqa_tape_options_init {
-        /// Budget for recorded inputs and states; 0: unlimited (default). What does not fit is computed again when it is
-        /// asked for, to the same bits.
+        /// Budget for recorded inputs and states; 0: unlimited (default). What does not fit is computed again when it
+        /// is asked for, to the same bits.
         memory_bytes: usize,
     }
 

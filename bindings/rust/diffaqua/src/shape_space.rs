@@ -51,6 +51,7 @@ impl ShapeSpaceBuilder {
     }
 
     /// Adds a closed triangle mesh, any unit; returns the index of the base. It is scaled to fit the box.
+    /// [`Status::Mesh`](crate::Status::Mesh) for one that is open, inconsistently oriented or not finite.
     pub fn add_mesh(&mut self, name: &str, vertices: &[[f64; 3]], triangles: &[[i32; 3]]) -> Result<usize> {
         let name = c_name("name", name)?;
         let (points, corners) = (start(vertices.as_flattened()), start(triangles.as_flattened()));
@@ -61,7 +62,8 @@ impl ShapeSpaceBuilder {
         })
     }
 
-    /// The same from an STL, OBJ or PLY file; the base is named after the file.
+    /// The same from an STL, OBJ or PLY file; the base is named after the file. [`Status::Io`](crate::Status::Io) and
+    /// [`Status::File`](crate::Status::File) where it cannot be read.
     pub fn add_mesh_file(&mut self, path: impl AsRef<Path>) -> Result<usize> {
         let path = c_path(path.as_ref())?;
         // SAFETY: a C string that lives for the call.
@@ -186,7 +188,7 @@ impl ShapeSpace {
         self.0.0.get()
     }
 
-    /// The built space of a file that [`save`](Self::save) wrote.
+    /// The built space of a file that [`save`](Self::save) wrote; [`Status::File`](crate::Status::File) for any other.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path: CString = c_path(path.as_ref())?;
         // SAFETY: a C string that lives for the call.
@@ -231,7 +233,8 @@ impl ShapeSpace {
     }
 
     /// Density of the barycentre divided by its peak, `[cells_x][cells_y][cells_z]`; the body is where it exceeds 1/2.
-    /// weights `[n_bases]` on the simplex.
+    /// weights `[n_bases]` on the simplex. [`Status::NotConverged`](crate::Status::NotConverged) after the options'
+    /// max_iterations.
     pub fn density(&self, weights: &[f64]) -> Result<Vec<f64>> {
         let mut density = vec![0.0; self.info()?.n_cells];
         self.density_into(weights, &mut density)?;
@@ -245,8 +248,8 @@ impl ShapeSpace {
         check(unsafe { sys::dqa_shape_space_density(self.get(), start(weights), count(weights), out, n) })
     }
 
-    /// Pullback of [`density`](Self::density): the mean-free gradient `[n_bases]` by the weights of a loss whose gradient
-    /// by the density is density_bar `[cells_x][cells_y][cells_z]`.
+    /// Pullback of [`density`](Self::density): the mean-free gradient `[n_bases]` by the weights of a loss whose
+    /// gradient by the density is density_bar `[cells_x][cells_y][cells_z]`.
     pub fn pullback(&self, weights: &[f64], density_bar: &[f64]) -> Result<Vec<f64>> {
         let mut bar = vec![0.0; weights.len()];
         let out = if bar.is_empty() { ptr::null_mut() } else { bar.as_mut_ptr() };

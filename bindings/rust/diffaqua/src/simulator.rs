@@ -75,7 +75,7 @@ impl Simulator {
 
     // ---------------------------------------------------------------- design
     /// New design from weights `[n_bases]` on the simplex: density, cells, muscles, factor. The state goes back to rest
-    /// and the clock to 0. On failure the old design stays.
+    /// and the clock to 0. On failure, as [`Status::NotConverged`](crate::Status::NotConverged), the old design stays.
     pub fn set_weights(&mut self, weights: &[f64]) -> Result<()> {
         self.set_weights_with(weights, |_, _| ())
     }
@@ -127,8 +127,8 @@ impl Simulator {
         Ok(nodes)
     }
 
-    /// (threshold, estimate): the option `threshold` that keeps the estimated relative error of leaving faint cells out at
-    /// or below `tolerance`, in (0, 1), at the design `weights`.
+    /// (threshold, estimate): the option `threshold` that keeps the estimated relative error of leaving faint cells out
+    /// at or below `tolerance`, in (0, 1), at the design `weights`.
     pub fn suggest_threshold(&self, weights: &[f64], tolerance: f64) -> Result<(f64, f64)> {
         let (mut threshold, mut estimate, n) = (0.0, 0.0, count(weights));
         // SAFETY: the array has as many elements as it says.
@@ -147,15 +147,16 @@ impl Simulator {
 
     // ---------------------------------------------------------------- motion
     /// One step with actuation `[n_signals]`, each in [-1, 1], appended to `tape`. On failure the state is that before
-    /// the call.
+    /// the call: [`Status::NotConverged`](crate::Status::NotConverged), [`Status::Diverged`](crate::Status::Diverged),
+    /// [`Status::Memory`](crate::Status::Memory) where the tape's budget is too small.
     pub fn step(&mut self, actuation: &[f64], tape: Option<&mut Tape>) -> Result<()> {
         let tape = Tape::recording(tape, self, None)?;
         // SAFETY: the array has as many elements as it says; the tape keeps the closures that its steps need.
         check(unsafe { sys::dqa_simulator_step(self.get(), start(actuation), count(actuation), tape.get()) })
     }
 
-    /// n_steps steps driven by a controller, appended to `tape`. On failure the state is that after the last whole step,
-    /// and the tape holds the whole ones.
+    /// n_steps steps driven by a controller, appended to `tape`. On failure the state is that after the last whole
+    /// step, and the tape holds the whole ones.
     pub fn rollout(&mut self, controller: &Controller, n_steps: usize, tape: Option<&mut Tape>) -> Result<()> {
         self.rollout_with(controller, n_steps, tape, |_, _| ())
     }
@@ -197,8 +198,8 @@ impl Simulator {
         check(unsafe { sys::dqa_simulator_set_state(self.get(), q, nq, v, nv) })
     }
 
-    /// What controllers see `[5][dims]`: velocities of the head, centre and tail sensors (m/s), offsets of the head and of
-    /// the tail sensor from the centre sensor (m).
+    /// What controllers see `[5][dims]`: velocities of the head, centre and tail sensors (m/s), offsets of the head and
+    /// of the tail sensor from the centre sensor (m).
     pub fn sensors(&self) -> Result<Vec<f64>> {
         let mut sensors = vec![0.0; self.info()?.n_sensors];
         self.sensors_into(&mut sensors)?;
@@ -211,7 +212,8 @@ impl Simulator {
         check(unsafe { sys::dqa_simulator_sensors(self.get(), sensors.as_mut_ptr(), count(sensors)) })
     }
 
-    /// Hydrodynamic totals of the last step `[4][dims]`: drag, thrust (N), then their means over the wet surface (N/m^2).
+    /// Hydrodynamic totals of the last step `[4][dims]`: drag, thrust (N), then their means over the wet surface
+    /// (N/m^2).
     pub fn forces(&self) -> Result<Vec<f64>> {
         let mut forces = vec![0.0; 4 * self.info()?.dims];
         // SAFETY: the array has as many elements as it says.
@@ -220,8 +222,8 @@ impl Simulator {
     }
 
     // ---------------------------------------------------------------- proof
-    /// Proves (or refutes) the gradient of the objective of a rollout from the present state by finite differences along
-    /// one random direction. The simulator is unchanged. Without a controller, actuations alternate smoothly.
+    /// Proves (or refutes) the gradient of the objective of a rollout from the present state by finite differences
+    /// along one random direction. The simulator is unchanged. Without a controller, actuations alternate smoothly.
     pub fn check_gradient(
         &self,
         controller: Option<&Controller>,

@@ -58,7 +58,8 @@ impl Tape {
         self.handle.get()
     }
 
-    /// Before a call that records: sizes, and the closures of the steps, which it keeps even if the call fails half-way.
+    /// Before a call that records: sizes, and the closures of the steps, which it keeps even if the call fails
+    /// half-way.
     pub(crate) fn recording<'a>(
         tape: Option<&'a mut Tape>,
         simulator: &Simulator,
@@ -233,7 +234,8 @@ pub struct Adjoint<'tape> {
 unsafe impl Send for Adjoint<'_> {}
 
 impl<'tape> Adjoint<'tape> {
-    /// A cursor after the last step.
+    /// A cursor after the last step. [`Status::State`] if a controller without pullback closed a loop through the
+    /// sensors.
     pub fn new(tape: &'tape Tape) -> Result<Self> {
         // SAFETY: the tape lives as long as the cursor.
         let handle = Handle::create(sys::dqa_adjoint_free, |out| unsafe { sys::dqa_adjoint_create(tape.get(), out) })?;
@@ -256,6 +258,7 @@ impl<'tape> Adjoint<'tape> {
     }
 
     /// Runs the sweep back to the state after `to_step` steps (0: all the way). Goes on where it was stopped.
+    /// [`Status::NotConverged`](crate::Status::NotConverged) where a linear solve stops above its tolerance.
     pub fn backward(&mut self, to_step: usize) -> Result<()> {
         self.backward_with(to_step, |_, _| ())
     }

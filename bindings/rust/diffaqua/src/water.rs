@@ -51,8 +51,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// Velocity of the water from a closure that is asked once a step: `velocity(time, current)` writes `[dims]` (m/s) into
-    /// an array of zeros.
+    /// Velocity of the water from a closure that is asked once a step: `velocity(time, current)` writes `[dims]` (m/s)
+    /// into an array of zeros.
     pub fn set_current<F, A>(&mut self, velocity: F) -> Result<()>
     where
         F: Fn(f64, &mut [f64]) -> A + Send + Sync + 'static,
@@ -61,8 +61,8 @@ impl Simulator {
         self.share(Box::new(move |time, current| velocity(time, current).flow()), None)
     }
 
-    /// The same with a pullback for parameters of the caller's own: during a backward sweep `pullback(time, current_bar)`
-    /// gets `[dims]` = dL/d(current) of every step, last step first.
+    /// The same with a pullback for parameters of the caller's own: during a backward sweep `pullback(time,
+    /// current_bar)` gets `[dims]` = dL/d(current) of every step, last step first.
     pub fn set_current_with_pullback<F, A, P, B>(&mut self, velocity: F, pullback: P) -> Result<()>
     where
         F: Fn(f64, &mut [f64]) -> A + Send + Sync + 'static,

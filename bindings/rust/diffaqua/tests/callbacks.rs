@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! Closures of every kind but the log's: what they say is used, stops and panics come out where the call returns, the objects stay
-//! usable, and closures live as long as what needs them and no longer.
+//! Closures of every kind but the log's: what they say is used, stops and panics come out where the call returns, the
+//! objects stay usable, and closures live as long as what needs them and no longer.
 mod scene;
 
 use std::{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! The safe crate reaches all of the C interface: every function, constant and field of `bindings/diffaqua.cdef` is used
-//! by it, or listed here with a reason.
+//! The safe crate reaches all of the C interface: every function, constant and field of `bindings/diffaqua.cdef` is
+//! used by it, or listed here with a reason.
 use std::{collections::BTreeSet, fs, path::Path};
 
 /// What the crate leaves out, and why.

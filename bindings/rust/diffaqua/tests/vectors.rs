@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! The test vectors of `tests/bindings/vectors`: to the last bit of what the C program wrote in this run (DQA_VECTORS), and
-//! to 1e-12 of the committed ones.
+//! The test vectors of `tests/bindings/vectors`: to the last bit of what the C program wrote in this run (DQA_VECTORS),
+//! and to 1e-12 of the committed ones.
 use std::{env, fs};
 
 use diffaqua::*;
