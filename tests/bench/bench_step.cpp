@@ -4,7 +4,7 @@
 //   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
 //              [--integrators LIST] [--precision LIST] [--quadrature full|reduced]
-//              [--sweep tolerance|adjoint|threshold] [--algebraic] [--discretisation] [--reference]
+//              [--sweep tolerance|adjoint|threshold|quadrature] [--algebraic] [--discretisation] [--reference]
 //              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
@@ -16,6 +16,9 @@
 //   :dx/2        cells of half the size with the same blur in metres (--discretisation; both for newton_pcg on active
 //                cells, one thread)
 // --sweep adjoint prints, and writes in columns of its own, the gradient's error over the tolerance of the adjoints.
+// --sweep quadrature: eight integration points a cell against one, on cells of the grid's size and of half of it; the
+// error of the state is against eight points on cells of a quarter of the size (with the same blur in metres, to 1e-8),
+// and that of one point on those says how far the two disagree there. In columns of its own.
 // --indicator sets the a-priori estimate of a threshold's error (motion/threshold.hpp) beside the measured ones of
 // newton_pcg, against the full box at 1e-9, and prints the cells and the time that the threshold leaves.
 // In boxes of more than 6000 cells, where factorising the Hessian takes minutes, the exact answer is newton_pcg's at
@@ -42,6 +45,9 @@ constexpr char kHeader[] =
 constexpr char kAdjointHeader[] =
     "scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,gradient_error";
 
+constexpr char kQuadratureHeader[] =
+    "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms,backward_ms,state_error";
+
 struct Settings : SceneRuns {
     std::string oracle = "auto";
     std::vector<std::string> methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
@@ -49,7 +55,8 @@ struct Settings : SceneRuns {
     Vector thresholds{0.02, 0.0}, tolerances{1e-6};
     int steps = 5, quadrature = 1;
     double sigma = 0.4;
-    bool adjoints = false, indicator = false, algebraic = false, discretisation = false, scaling = false;
+    bool adjoints = false, quadratures = false, indicator = false, algebraic = false, discretisation = false,
+         scaling = false;
 };
 
 bool small(const Scene& scene) {
@@ -67,7 +74,11 @@ Setup setup_of(const Settings& s, int method, int integrator, double threshold, 
 
 class Bench {
 public:
-    explicit Bench(const Settings& s) : s_(s), csv_(s.csv, s.adjoints ? kAdjointHeader : kHeader) {}
+    explicit Bench(const Settings& s)
+        : s_(s),
+          csv_(s.csv, s.adjoints      ? kAdjointHeader
+                      : s.quadratures ? kQuadratureHeader
+                                      : kHeader) {}
 
     void scene(const Scene& scene) {
         exact_.clear();
@@ -152,6 +163,36 @@ public:
                     csv_.row("%s,%s,%.0f,%g,%g,%g,%.2f,%.4f,%.3e\n", scene.name.c_str(), scene.grid_text().c_str(),
                              got->active_cells, threshold, tolerance, adjoint, got->adjoint, ms, error);
                 }
+    }
+
+    // What few points of integration cost and save, beside what smaller cells do.
+    void quadratures(const Scene& scene) {
+        constexpr int kFinest = 4;
+        const auto finest = open_scene(scene.name, s_.data, scene.grid, kFinest, s_.sigma);
+        Setup setup = setup_of(s_, 0, 0, s_.thresholds.front(), 1e-8, static_cast<int>(s_.threads.front()));
+        setup.quadrature = 0, setup.repeat = 1;
+        const auto truth = finest ? measure(*finest, setup) : std::nullopt;
+        if (!truth) return;
+        for (int refine = 1; refine <= kFinest; refine *= 2)
+            for (int quadrature = refine < kFinest ? 0 : 1; quadrature < 2; ++quadrature) {
+                const auto own = open_scene(scene.name, s_.data, scene.grid, refine, s_.sigma);
+                setup = setup_of(s_, 0, 0, s_.thresholds.front(), s_.tolerances.front(),
+                                 static_cast<int>(s_.threads.front()));
+                setup.quadrature = quadrature;
+                if (refine == kFinest) setup.repeat = 1;
+                const auto got = own ? measure(*own, setup) : std::nullopt;
+                if (!got) continue;
+                const double error = state_error(*got, *truth, *own, kFinest / refine);
+                const double forward = spread_of(got->forward).median / s_.steps;
+                const double backward = spread_of(got->backward).median / s_.steps;
+                std::printf("%-12s %6.0f cells, %d for one, %-7s: forward %8.2f ms, backward %8.2f ms, error %.2e\n",
+                            own->name.c_str(), got->active_cells, refine * refine * refine, kQuadratures[quadrature],
+                            forward, backward, error);
+                std::fflush(stdout);
+                csv_.row("%s,%s,%.0f,%s,%d,%d,%.4f,%.4f,%.3e\n", own->name.c_str(), own->grid_text().c_str(),
+                         got->active_cells, kQuadratures[quadrature], refine * refine * refine, s_.steps, forward,
+                         backward, error);
+            }
     }
 
     void indicator(const Scene& scene) {
@@ -279,10 +320,12 @@ Settings parse(int argc, char** argv) {
             s.tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10}, s.algebraic = true;
         } else if (what == "adjoint") {
             s.adjoints = true, s.tolerances = {1e-6, 1e-10}, s.thresholds = {0.02};
+        } else if (what == "quadrature") {
+            s.quadratures = true, s.thresholds = {0.02};
         } else if (what == "threshold") {
             s.thresholds = {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.0};
         } else {
-            throw UsageError("--sweep takes tolerance, adjoint or threshold");
+            throw UsageError("--sweep takes tolerance, adjoint, threshold or quadrature");
         }
     });
     options.flag("--algebraic", s.algebraic);
@@ -316,6 +359,8 @@ int main(int argc, char** argv) {
             } else if (const auto scene = open_scene(name, s.data, s.grid, 1, s.sigma)) {
                 if (s.adjoints)
                     bench.adjoints(*scene);
+                else if (s.quadratures)
+                    bench.quadratures(*scene);
                 else if (s.indicator)
                     bench.indicator(*scene);
                 else

@@ -4,7 +4,8 @@
 
     charts.py [--results DIR] [--charts DIR] [name ...]
 
-Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, scaling, barycenter, schedule, stability; default all
+Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, quadrature, scaling, barycenter,
+schedule, stability; default all
 whose CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
 """
 import argparse
@@ -250,6 +251,32 @@ def adjoint(results, charts):
     draw(charts / "adjoint.svg", "How far adjoints need to be solved: until the error of the states takes over", panels)
 
 
+def quadrature(results, charts):
+    """Error of the state over time: eight integration points a cell against one, larger cells and smaller."""
+    rows = read(results, "step_quadrature")
+    panels = []
+    for scene in (s for s in SCENES if any(r["scene"] == s for r in rows)):
+        own = [r for r in rows if r["scene"] == scene]
+        curves = []
+        for name, label, colour in (("full", "eight points a cell", ORANGE), ("reduced", "one point a cell", BLUE)):
+            group = sorted((r for r in own if r["quadrature"] == name), key=lambda r: r["active_cells"])
+            least = max(r["cells_per_cell"] for r in own)
+            points = [(step_ms(r), r["state_error"]) for r in group if r["cells_per_cell"] < least]
+            curves.append(Curve(label, colour, points, texts=[
+                (*point, f"{r['active_cells']:.0f} cells") for point, r in zip(points, group)]))
+            apart = [r["state_error"] for r in group if r["cells_per_cell"] == least]
+            if apart and points:
+                ends = min(p[0] for c in curves for p in c.points), max(p[0] for c in curves for p in c.points)
+                curves.append(Curve("they still differ by, on the finest grid", BLACK,
+                                    [(x, apart[0]) for x in ends], dash=3, style="lines"))
+        steps = own[0]["steps"]
+        panels.append(Panel(f"{SCENES[scene]}, {steps:.0f} steps", "forward and backward step (ms, one core)",
+                            "relative error of the state", curves))
+    if panels:
+        draw(charts / "quadrature.svg", "Integration points and size of cells, against cells of a quarter of the size",
+             panels, width=640 * len(panels))
+
+
 def slope(points):
     xs, ys = [math.log(x) for x, _ in points], [math.log(y) for _, y in points]
     mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
@@ -487,7 +514,7 @@ def main():
     jobs = {f"work_precision_{s}": lambda s=s: work_precision(options.results, options.charts, s) for s in SCENES}
     jobs |= {f"rollout_{s}": lambda s=s: rollout(options.results, options.charts, s) for s in SCENES}
     jobs |= {f.__name__: lambda f=f: f(options.results, options.charts)
-             for f in (threshold, adjoint, scaling, barycenter, schedule, stability)}
+             for f in (threshold, adjoint, quadrature, scaling, barycenter, schedule, stability)}
     for name in options.names:
         if name not in jobs:
             sys.exit(f"charts: there is no chart '{name}'; there are {', '.join(jobs)}")

@@ -20,6 +20,7 @@ STEP = ("scene,grid,active_cells,threshold,method,integrator,precision,tolerance
         "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib")
 ROLLOUT = ("scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,checkpoint_mib,forward_ms,backward_ms,"
            "loss,loss_error,gradient_error,peak_mib")
+QUADRATURE = "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms,backward_ms,state_error"
 ADJOINT = ("scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,"
            "gradient_error")
 PARTS = "scene,grid,active_cells,part,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up"
@@ -77,11 +78,11 @@ def step(program):
         key = (r["scene"], r["method"], r["threshold"], r["tolerance"])
         value = (r["active_cells"], r["newton_iterations"], r["residual"], r["state_error"], r["gradient_error"])
         require(answers.setdefault(key, value) == value, "threads change the answer of", key)
-    rows = rows_of(program, STEP, "--quick", "--grid", "20x8x8", "--repeat", "1", "--steps", "2", "--discretisation",
+    rows = rows_of(program, STEP, "--quick", "--grid", "16x8x8", "--repeat", "1", "--steps", "2", "--discretisation",
                    "--methods", "newton_pcg", "--threshold", "0.02", "--tolerance", "1e-6,1e-8", "--integrators", "bdf2")
     tags = {r["scene"] for r in rows if r["method"] == "newton_pcg"}
     require(tags == {"eel", "eel:h/8", "eel:dx/2"}, "rows of", tags)
-    rows = rows_of(program, STEP, "--quick", "--grid", "20x8x8", "--repeat", "1", "--steps", "2", "--methods",
+    rows = rows_of(program, STEP, "--quick", "--grid", "16x8x8", "--repeat", "1", "--steps", "2", "--methods",
                    "newton_pcg", "--threshold", "0", "--precision", "single,double", "--scenes", "shipped")
     require([r["precision"] for r in rows] == ["single", "double"], "precisions of", rows)
     require(all(r["state_error"] <= 1e-4 for r in rows), "inaccurate:", rows)
@@ -98,6 +99,7 @@ def step(program):
         require(0.1 * estimate <= state <= estimate, "at threshold", threshold, "an error of", state, "of", estimate)
         require(0 < gradient, "no error of the gradient at threshold", threshold)
     adjoints(program)
+    quadratures(program)
 
 
 def adjoints(program):
@@ -110,6 +112,17 @@ def adjoints(program):
         require(len(error) == 10 and work == sorted(work) and work[0] < work[-1], "rows of", tolerance, work, error)
         require(error[1e-3] > 10 * error[1e-12], "the tolerance of adjoints does not matter:", error)
         require(error[tolerance] <= 3 * error[1e-12] + tolerance, "adjoints at the tolerance of states add:", error)
+
+
+def quadratures(program):
+    """Smaller cells lower the error with either quadrature, and one point a cell is no worse than eight."""
+    rows = rows_of(program, QUADRATURE, "--sweep", "quadrature", "--scenes", "eel", "--grid", "16x8x8", "--repeat", "1",
+                   "--steps", "3")
+    error = {(r["quadrature"], r["cells_per_cell"]): r["state_error"] for r in rows}
+    require(set(error) == {("full", 1), ("reduced", 1), ("full", 8), ("reduced", 8), ("reduced", 64)}, "rows:", error)
+    for name in ("full", "reduced"):
+        require(error[name, 1] > 1.2 * error[name, 8] > 0, name, "does not gain from smaller cells:", error)
+    require(error["reduced", 8] > error["reduced", 64], "the finest grids disagree:", error)
 
 
 def parts(program):
@@ -194,6 +207,9 @@ def charts(_=None):
               "backward_ms,gradient_error",
               [["eel", "40x8x8", 488, 0.02, tolerance, 10.0 ** -k, 10 * k, k, max(10.0 ** -k, tolerance)]
                for tolerance in (1e-6, 1e-10) for k in range(3, 12)])
+        write("step_quadrature", QUADRATURE, [
+            ["eel", "40x8x8", 500 * size, name, size, 20, ms * size, ms * size, 0.3 / size]
+            for name, ms in (("full", 10), ("reduced", 7)) for size in (1, 8)])
         write("step_scaling", STEP, [step_row("shipped", n, 0.02, "newton_pcg", 1e-6, threads, n ** 1.2 / threads, 1e-6)
                                      for n in (100, 1000) for threads in (1, 2)])
         write("rollout", ROLLOUT, [
@@ -218,7 +234,7 @@ def charts(_=None):
         done = subprocess.run([sys.executable, "-B", HERE / "charts.py", "--results", folder, "--charts", folder],
                               text=True, capture_output=True, check=False)
         require(done.returncode == 0, done.stdout, done.stderr)
-        for name in ("work_precision_eel", "threshold", "adjoint", "scaling", "rollout_eel", "barycenter", "schedule", "stability"):
+        for name in ("work_precision_eel", "threshold", "adjoint", "quadrature", "scaling", "rollout_eel", "barycenter", "schedule", "stability"):
             path = folder / f"{name}.svg"
             require(path.exists(), name, "was not drawn:", done.stdout)
             texts = " ".join(xml.etree.ElementTree.parse(path).getroot().itertext())

@@ -27,7 +27,7 @@ export OPENBLAS_NUM_THREADS=1
 tests/setup.sh
 cmake --preset default >/dev/null
 build=build/default
-programs="bench_step bench_rollout bench_barycenter stability_map"
+programs="bench_step bench_parts bench_rollout bench_barycenter stability_map"
 # shellcheck disable=SC2086  # the list is meant to be split
 cmake --build --preset default --target $programs
 
@@ -59,6 +59,8 @@ if [ -n "$quick" ]; then
         --csv "$results/step_tolerance.csv"
     bench bench_step --quick --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
     bench bench_step --quick --sweep adjoint --csv "$results/step_adjoint.csv"
+    bench bench_step --quick --sweep quadrature --steps 5 --grid 24x8x8 --csv "$results/step_quadrature.csv"
+    bench bench_parts --quick --scenes eel --threads "$threads" --csv "$results/parts.csv"
     bench bench_step --quick --scaling --threads "$threads" --csv "$results/step_scaling.csv"
     bench bench_rollout --quick --seconds 1 --csv "$results/rollout.csv"
 else
@@ -77,6 +79,8 @@ else
         --csv "$results/step_tolerance_$animals.csv"
     bench bench_step --scenes "eel,$animals" --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
     bench bench_step --scenes "eel,$animals" --sweep adjoint --csv "$results/step_adjoint.csv"
+    bench bench_step --scenes eel --sweep quadrature --steps 20 --repeat 3 --csv "$results/step_quadrature.csv"
+    bench bench_parts --scenes "eel,$animals,three" --threads "$threads" --csv "$results/parts.csv"
     bench bench_step --scaling --scenes "$animals" --threads "$threads" --repeat 3 --csv "$results/step_scaling.csv"
     bench bench_rollout --scenes eel --reference --threads "$threads" --csv "$results/rollout_eel.csv"
     bench bench_rollout --scenes "$animals" --rates 15,30,60 --threads "$threads" --repeat 1 \
