@@ -106,7 +106,7 @@ end
 -- Replaces theta [n_parameters].
 function Controller:set_parameters(theta)
     local values = arrays.numbers("theta", theta, false)
-    self:call("dqa_controller_set_parameters", values.data, values.n)
+    self:change("dqa_controller_set_parameters", values.data, values.n)
 end
 
 -- Actuation [n_signals] at a step, counted from 0, from sensors [n_sensors] where it reads them.

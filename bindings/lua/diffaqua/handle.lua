@@ -64,6 +64,22 @@ function Handle:call(name, ...)
     M.call({ self }, name, self:get(), ...)
 end
 
+-- Refuses what changes an object while a call that uses it waits for a callback: what that call goes on to compute
+-- would be neither of the two.
+function M.must_be_free(object)
+    if object.users > 0 then
+        library.fail(library.constants.ERROR_STATE,
+            ("this %s cannot be changed while a call uses it"):format(object.what))
+    end
+end
+
+-- The same for what changes the object.
+function Handle:change(name, ...)
+    local pointer = self:get()
+    M.must_be_free(self)
+    M.call({ self }, name, pointer, ...)
+end
+
 -- Gives its memory back; further use throws. Again: nothing happens. What was made from it stays.
 function Handle:close()
     if self.pointer == nil then

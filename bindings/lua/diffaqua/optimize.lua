@@ -62,14 +62,14 @@ end
 function Search:ask(out)
     local info = self:info()
     local candidates = arrays.output("out", out, info.population, info.n)
-    self:call("dqa_cma_es_ask", candidates.data, candidates.n)
+    self:change("dqa_cma_es_ask", candidates.data, candidates.n)
     return candidates
 end
 
 -- Values [population] of the candidates in their order, math.huge for what could not be evaluated.
 function Search:tell(values)
     local found = arrays.numbers("values", values, false)
-    self:call("dqa_cma_es_tell", found.data, found.n)
+    self:change("dqa_cma_es_tell", found.data, found.n)
 end
 
 -- The candidate [n] of the lowest value so far, and that value.

@@ -68,7 +68,7 @@ local function add(self, name, ...)
     local base = ffi.new "int32_t[1]"
     local arguments = { n = select("#", ...) + 1, ... }
     arguments[arguments.n] = base
-    self:call(name, unpack(arguments, 1, arguments.n))
+    self:change(name, unpack(arguments, 1, arguments.n))
     return base[0]
 end
 
@@ -109,7 +109,7 @@ end
 -- Gives a base an actuator, options by the names of dqa_actuator_options. Needs the space's option cell_size.
 function Space:add_actuator(base, options)
     local filled = structs.options("dqa_actuator_options", "dqa_actuator_options_init", options)
-    self:call("dqa_shape_space_add_actuator", library.index("base", base), filled)
+    self:change("dqa_shape_space_add_actuator", library.index("base", base), filled)
 end
 
 -- The actuator of a base; after build also an automatic one.
@@ -123,7 +123,7 @@ end
 -- Freezes the space and returns it. progress(done, total): a true result, or an error, stops the call.
 function Space:build(progress)
     callbacks.with_progress(progress, function(callback, data)
-        self:call("dqa_shape_space_build", callback, data)
+        self:change("dqa_shape_space_build", callback, data)
     end)
     return self
 end

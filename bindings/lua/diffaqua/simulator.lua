@@ -50,7 +50,7 @@ end
 function Simulator:set_weights(weights, progress)
     local share = arrays.numbers("weights", weights, false)
     callbacks.with_progress(progress, function(callback, data)
-        self:call("dqa_simulator_set_weights", share.data, share.n, callback, data)
+        self:change("dqa_simulator_set_weights", share.data, share.n, callback, data)
     end)
     new_design(self)
 end
@@ -66,14 +66,14 @@ end
 function Simulator:set_material(young_modulus, muscle_stiffness)
     local solid = young_modulus ~= nil and arrays.numbers("young_modulus", young_modulus, self.n_cells) or {}
     local muscle = muscle_stiffness ~= nil and arrays.numbers("muscle_stiffness", muscle_stiffness, self.n_cells) or {}
-    self:call("dqa_simulator_set_material", solid.data, muscle.data, self.n_cells)
+    self:change("dqa_simulator_set_material", solid.data, muscle.data, self.n_cells)
     new_design(self)
 end
 
 -- Nodes of the full box that keep their place, by index counted from 0; {} frees all. State to rest.
 function Simulator:set_fixed_nodes(nodes)
     local held = arrays.indices("nodes", nodes, false)
-    self:call("dqa_simulator_set_fixed_nodes", held.n > 0 and held.data or nil, held.n)
+    self:change("dqa_simulator_set_fixed_nodes", held.n > 0 and held.data or nil, held.n)
     new_design(self)
 end
 
@@ -98,7 +98,7 @@ end
 function Simulator:set_current_table(times, velocities)
     local at = arrays.numbers("times", times, false)
     local values = arrays.numbers("velocities", velocities, at.n, self:info().dims)
-    self:call("dqa_simulator_set_current_table", at.data, at.n, values.data, values.n)
+    self:change("dqa_simulator_set_current_table", at.data, at.n, values.data, values.n)
     self.current, self.table_rows = nil, math.max(1, at.n)
 end
 
@@ -106,7 +106,7 @@ end
 -- current_bar [dims]) the gradient of each step, last step first. nil: back to the options.
 function Simulator:set_current(current, pullback)
     if current == nil then
-        self:call("dqa_simulator_set_current_callback", nil, nil, nil)
+        self:change("dqa_simulator_set_current_callback", nil, nil, nil)
         self.current, self.table_rows = nil, 1
         return
     end
@@ -115,17 +115,19 @@ function Simulator:set_current(current, pullback)
         pullback = pullback ~= nil and library.callable("pullback", pullback) or nil,
         dims = self:info().dims,
     }
-    self:call("dqa_simulator_set_current_callback", callbacks.current, pullback and callbacks.current_pullback or nil,
+    self:change("dqa_simulator_set_current_callback", callbacks.current, pullback and callbacks.current_pullback or nil,
         data)
     self.current, self.table_rows = entry, 1
 end
 
 -- ------------------------------------------------------------------ motion
 local function record_to(self, tape, controller)
+    handle.must_be_free(self)
     if tape == nil then
         return nil, { self, controller }
     end
     local pointer = handle.pointer("tape", tape, Tape)
+    handle.must_be_free(tape)
     tape:will_record(self, controller)
     return pointer, { self, tape, controller } -- without one, the list is shorter
 end
@@ -163,7 +165,7 @@ function Simulator:set_state(q, v)
     local info = self:info()
     local positions = q ~= nil and arrays.numbers("q", q, info.n_nodes, info.dims) or { n = 0 }
     local velocities = v ~= nil and arrays.numbers("v", v, info.n_nodes, info.dims) or { n = 0 }
-    self:call("dqa_simulator_set_state", positions.data, positions.n, velocities.data, velocities.n)
+    self:change("dqa_simulator_set_state", positions.data, positions.n, velocities.data, velocities.n)
 end
 
 -- [5][dims]: velocities of head, centre and tail (m/s), offsets of head and tail from the centre (m).

@@ -81,7 +81,7 @@ end
 
 -- Empties the tape for another rollout; throws while an adjoint of it lives.
 function Tape:clear()
-    self:call "dqa_tape_clear"
+    self:change "dqa_tape_clear"
     self.design, self.entries, self.n_parameters = nil, {}, nil
 end
 
@@ -200,21 +200,21 @@ end
 -- Adds bar [n_nodes][dims] to dL/dq or dL/dv (SEED_POSITION, SEED_VELOCITY) of the state after `step` steps.
 function Adjoint:seed(step, quantity, bar)
     local values = arrays.numbers("bar", bar, self.design.n_nodes, self.design.dims)
-    self:call("dqa_adjoint_seed", library.whole("step", step), library.index("quantity", quantity), values.data,
+    self:change("dqa_adjoint_seed", library.whole("step", step), library.index("quantity", quantity), values.data,
         values.n)
 end
 
 -- Adds the seeds of a loss; only before the sweep has begun.
 function Adjoint:seed_objective(loss)
     local terms = terms_of(loss)
-    self:call("dqa_adjoint_seed_objective", terms.pointer, terms.n)
+    self:change("dqa_adjoint_seed_objective", terms.pointer, terms.n)
 end
 
 -- Runs the sweep back to the state after `to_step` steps (default 0); goes on where it was stopped.
 function Adjoint:backward(to_step, progress)
     local target = library.whole("to_step", to_step or 0)
     callbacks.with_progress(progress, function(callback, data)
-        self:call("dqa_adjoint_backward", target, callback, data)
+        self:change("dqa_adjoint_backward", target, callback, data)
     end)
 end
 

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
-% CMA-ES: minimises a function of n numbers from its values alone. diffaqua.CmaEs (mean, scales, 'seed', 1): scales [n] or
-% [] (all 1); options are the fields of dqa_cma_es_options.
+% CMA-ES: minimises a function of n numbers from its values alone. diffaqua.CmaEs (mean, scales, 'seed', 1): scales [n]
+% or [] (all 1); options are the fields of dqa_cma_es_options.
 classdef CmaEs < diffaqua.internal.Handle
   methods
     function self = CmaEs (mean, scales, varargin)

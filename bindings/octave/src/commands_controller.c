@@ -79,7 +79,7 @@ static void get_parameters(call* c) {
 
 /* (controller, theta) */
 static void set_parameters(call* c) {
-    dqa_controller* controller = controller_of(c);
+    dqa_controller* controller = object_to_change(c, 0, "controller", CONTROLLER);
     shape s = axes1(-1);
     const double* theta = doubles(c, 1, "theta", &s);
     check(c, dqa_controller_set_parameters(controller, theta, count(&s)));
@@ -167,7 +167,7 @@ static void search_info(call* c) {
 }
 
 static void ask(call* c) {
-    dqa_cma_es* search = search_of(c);
+    dqa_cma_es* search = object_to_change(c, 0, "search", SEARCH);
     const dqa_cma_es_info info = search_info_of(c, search);
     const shape s = axes2(info.population, info.n);
     double* candidates = room(&s);
@@ -177,7 +177,7 @@ static void ask(call* c) {
 
 /* (search, values) */
 static void tell(call* c) {
-    dqa_cma_es* search = search_of(c);
+    dqa_cma_es* search = object_to_change(c, 0, "search", SEARCH);
     shape s = axes1(-1);
     const double* values = doubles(c, 1, "values", &s);
     check(c, dqa_cma_es_tell(search, values, count(&s)));

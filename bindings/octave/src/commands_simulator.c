@@ -7,6 +7,10 @@ static dqa_simulator* simulator_of(call* c) {
     return object(c, 0, "simulator", SIMULATOR);
 }
 
+static dqa_simulator* simulator_to_change(call* c) {
+    return object_to_change(c, 0, "simulator", SIMULATOR);
+}
+
 static dqa_simulator_info info_of(call* c, const dqa_simulator* simulator) {
     dqa_simulator_info info;
     check(c, dqa_simulator_get_info(simulator, &info, sizeof info));
@@ -34,7 +38,7 @@ static void get_info(call* c) {
 /* ------------------------------------------------------------------ design */
 /* (simulator, weights, progress) */
 static void set_weights(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     shape s = axes1(-1);
     const double* weights = doubles(c, 1, "weights", &s);
     const int64_t id = whole(c, 2, "progress");
@@ -51,7 +55,7 @@ static void get_weights(call* c) {
 
 /* (simulator, young_modulus, muscle_stiffness, n_cells) */
 static void set_material(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     const int64_t n = whole(c, 3, "n_cells");
     shape solid = axes1(n), muscle = axes1(n);
     const double* young_modulus = optional_doubles(c, 1, "young_modulus", &solid);
@@ -61,7 +65,7 @@ static void set_material(call* c) {
 
 /* (simulator, nodes) */
 static void set_fixed_nodes(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     shape s = axes1(-1);
     const int32_t* nodes = integers(c, 1, "nodes", &s);
     check(c, dqa_simulator_set_fixed_nodes(simulator, nodes, count(&s)));
@@ -90,7 +94,7 @@ static void suggest_threshold(call* c) {
 /* ------------------------------------------------------------------ water */
 /* (simulator, times, velocities) */
 static void set_current_table(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     shape at = axes1(-1), rows;
     const double* times = doubles(c, 1, "times", &at);
     const double* velocities;
@@ -101,7 +105,7 @@ static void set_current_table(call* c) {
 
 /* (simulator, id, whether there is a pullback); id 0: back to the options */
 static void set_current_callback(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     const int64_t id = whole(c, 1, "id");
     const dqa_current_pullback bar = whole(c, 2, "has_pullback") ? current_pullback_callback : NULL;
     void* data = user_data_of(id, info_of(c, simulator).dims);
@@ -110,20 +114,24 @@ static void set_current_callback(call* c) {
 }
 
 /* ------------------------------------------------------------------ motion */
+static dqa_tape* record_of(call* c, int argument) {
+    return is_given(c, argument) ? object_to_change(c, argument, "tape", TAPE) : NULL;
+}
+
 /* (simulator, actuation, tape) */
 static void step(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     shape s = axes1(-1);
     const double* actuation = doubles(c, 1, "actuation", &s);
-    check(c, dqa_simulator_step(simulator, actuation, count(&s), optional_object(c, 2, "tape", TAPE)));
+    check(c, dqa_simulator_step(simulator, actuation, count(&s), record_of(c, 2)));
 }
 
 /* (simulator, controller, n_steps, tape, progress) */
 static void rollout(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     dqa_controller* controller = object(c, 1, "controller", CONTROLLER);
     const int64_t n_steps = whole(c, 2, "n_steps");
-    dqa_tape* tape = optional_object(c, 3, "tape", TAPE);
+    dqa_tape* tape = record_of(c, 3);
     const int64_t id = whole(c, 4, "progress");
     check(c, dqa_simulator_rollout(simulator, controller, n_steps, tape, progress_of(id), user_data_of(id, 0)));
 }
@@ -141,7 +149,7 @@ static void get_state(call* c) {
 
 /* (simulator, q, v) */
 static void set_state(call* c) {
-    dqa_simulator* simulator = simulator_of(c);
+    dqa_simulator* simulator = simulator_to_change(c);
     const dqa_simulator_info info = info_of(c, simulator);
     shape sq = axes2(info.n_nodes, info.dims), sv = sq;
     const double* q = optional_doubles(c, 1, "q", &sq);

@@ -23,6 +23,10 @@ static dqa_shape_space* space_of(call* c) {
     return object(c, 0, "space", SPACE);
 }
 
+static dqa_shape_space* open_space_of(call* c) {
+    return object_to_change(c, 0, "space", SPACE);
+}
+
 static dqa_shape_space_info info_of(call* c, const dqa_shape_space* space) {
     dqa_shape_space_info info;
     check(c, dqa_shape_space_get_info(space, &info, sizeof info));
@@ -57,7 +61,7 @@ static void space_save(call* c) {
 
 /* (space, progress) */
 static void space_build(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     const int64_t id = whole(c, 1, "progress");
     check(c, dqa_shape_space_build(space, progress_of(id), user_data_of(id, 0)));
 }
@@ -65,7 +69,7 @@ static void space_build(call* c) {
 /* ------------------------------------------------------------------ bases */
 /* (space, vertices, triangles, name) */
 static void add_mesh(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     shape points = axes2(-1, 3), corners = axes2(-1, 3);
     const double* vertices = doubles(c, 1, "vertices", &points);
     const int32_t* triangles = integers(c, 2, "triangles", &corners);
@@ -76,7 +80,7 @@ static void add_mesh(call* c) {
 }
 
 static void add_mesh_file(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     int32_t base = 0;
     check(c, dqa_shape_space_add_mesh_file(space, text(c, 1, "path"), &base));
     give_number(c, base);
@@ -84,7 +88,7 @@ static void add_mesh_file(call* c) {
 
 /* (space, cells, name) */
 static void add_density(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     shape s = box_of(c, space);
     const double* cells = doubles(c, 1, "cells", &s);
     int32_t base = 0;
@@ -94,7 +98,7 @@ static void add_density(call* c) {
 
 /* (space, corners, name) */
 static void add_polygon(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     shape s = axes2(-1, 2);
     const double* corners = doubles(c, 1, "corners", &s);
     int32_t base = 0;
@@ -104,7 +108,7 @@ static void add_polygon(call* c) {
 
 /* (space, pixels, name) */
 static void add_image(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     shape s = axes2(-1, -1);
     const double* pixels = doubles(c, 1, "pixels", &s);
     int32_t base = 0;
@@ -114,7 +118,7 @@ static void add_image(call* c) {
 
 /* (space, base, options) */
 static void add_actuator(call* c) {
-    dqa_shape_space* space = space_of(c);
+    dqa_shape_space* space = open_space_of(c);
     dqa_actuator_options options;
     check(c, dqa_actuator_options_init(&options, sizeof options));
     fill(c, 2, "dqa_actuator_options", &options);

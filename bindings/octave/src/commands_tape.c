@@ -37,7 +37,7 @@ static void create(call* c) {
 }
 
 static void clear(call* c) {
-    check(c, dqa_tape_clear(tape_of(c)));
+    check(c, dqa_tape_clear(object_to_change(c, 0, "tape", TAPE)));
 }
 
 static void n_steps(call* c) {
@@ -111,7 +111,7 @@ static void adjoint_create(call* c) {
 
 /* (adjoint, step, quantity, bar, [n_nodes, dims]) */
 static void seed(call* c) {
-    dqa_adjoint* adjoint = adjoint_of(c);
+    dqa_adjoint* adjoint = object_to_change(c, 0, "adjoint", ADJOINT);
     shape s = shape_of(c, 4);
     const double* bar = doubles(c, 3, "bar", &s);
     check(c, dqa_adjoint_seed(adjoint, whole(c, 1, "step"), index_of(c, 2, "quantity"), bar, count(&s)));
@@ -119,7 +119,7 @@ static void seed(call* c) {
 
 /* (adjoint, terms) */
 static void seed_objective(call* c) {
-    dqa_adjoint* adjoint = adjoint_of(c);
+    dqa_adjoint* adjoint = object_to_change(c, 0, "adjoint", ADJOINT);
     int64_t n;
     const dqa_objective_term* terms = terms_of(c, 1, &n);
     check(c, dqa_adjoint_seed_objective(adjoint, terms, n));
@@ -127,7 +127,7 @@ static void seed_objective(call* c) {
 
 /* (adjoint, to_step, progress) */
 static void backward(call* c) {
-    dqa_adjoint* adjoint = adjoint_of(c);
+    dqa_adjoint* adjoint = object_to_change(c, 0, "adjoint", ADJOINT);
     const int64_t id = whole(c, 2, "progress");
     check(c, dqa_adjoint_backward(adjoint, whole(c, 1, "to_step"), progress_of(id), user_data_of(id, 0)));
 }

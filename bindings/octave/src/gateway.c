@@ -124,6 +124,13 @@ void* object(call* c, int argument, const char* name, int kind) {
     return e->pointer;
 }
 
+void* object_to_change(call* c, int argument, const char* name, int kind) {
+    void* pointer = object(c, argument, name, kind);
+    if (entry_of(c, argument, name)->users > 1)
+        refuse(c, DQA_ERROR_STATE, "this %s cannot be changed while a call uses it", kind_names[kind]);
+    return pointer;
+}
+
 void* optional_object(call* c, int argument, const char* name, int kind) {
     return is_given(c, argument) ? object(c, argument, name, kind) : NULL;
 }

@@ -47,6 +47,9 @@ enum { TOKEN, SPACE, SIMULATOR, CONTROLLER, TAPE, ADJOINT, SEARCH, N_KINDS };
 void give_object(call* c, int kind, void* pointer);
 /* The object of a handle, which cannot be closed until the call ends. Refuses handles of closed or other objects. */
 void* object(call* c, int argument, const char* name, int kind);
+/* The same for a call that changes the object. Refused while another call that uses it waits for a callback: what that
+ * one goes on to compute would be neither of the two. */
+void* object_to_change(call* c, int argument, const char* name, int kind);
 /* NULL where the argument is missing or empty. */
 void* optional_object(call* c, int argument, const char* name, int kind);
 

@@ -240,7 +240,27 @@ test("not closed while a call uses it", function()
     throws(STATE, "controller cannot be closed while", function()
         swimmer:rollout(sine, 3, nil, function() sine:close() end)
     end)
-    swimmer:close() -- the counts are right again
+    local tape = dq.tape(swimmer)
+    for name, change in pairs {
+        simulator = function() swimmer:set_weights { 1, 0 } end,
+        tape = function() tape:clear() end,
+        controller = function() sine:set_parameters { 1, 1, 1 } end,
+    } do
+        throws(STATE, "this " .. name .. " cannot be changed while", function()
+            swimmer:rollout(sine, 3, tape, change)
+        end)
+    end
+    throws(STATE, "this simulator cannot be changed", function()
+        swimmer:rollout(sine, 3, nil, function() swimmer:step { 0 } end)
+    end)
+    tape:clear()
+    swimmer:rollout(sine, 3, tape, function() -- questions are welcome
+        swimmer:state()
+        sine:parameters()
+        tape:n_steps()
+    end)
+    swimmer:set_weights { 1, 0 } -- the counts are right again
+    swimmer:close()
     sine:close()
 end)
 

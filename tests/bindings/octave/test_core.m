@@ -160,7 +160,8 @@ function handles ()
   assert (again.id ~= old);
   throws (A, 'unknown command ''fish''', @() diffaqua.internal.call ('fish'));
   throws (A, 'command: expected the name', @() diffaqua_mex ());
-  throws (A, 'simulator_step: expected 2 to 3 arguments, got 1', @() diffaqua.internal.call ('simulator_step', again.id));
+  throws (A, 'simulator_step: expected 2 to 3 arguments, got 1', ...
+          @() diffaqua.internal.call ('simulator_step', again.id));
 end
 
 function errors ()
@@ -177,7 +178,8 @@ function errors ()
   throws ('DQA_ERROR_ARGUMENT', 'space: expected a handle', @() diffaqua.Simulator ([]));
   throws ('DQA_ERROR_ARGUMENT', 'n_steps: expected a whole number', ...
           @() swimmer ().rollout (diffaqua.Controller.sinusoid (1), 1.5));
-  throws ('DQA_ERROR_ARGUMENT', 'controller: expected a diffaqua.Controller', @() swimmer ().rollout (small_space (), 1));
+  throws ('DQA_ERROR_ARGUMENT', 'controller: expected a diffaqua.Controller', ...
+          @() swimmer ().rollout (small_space (), 1));
   assert (diffaqua_mex ('n_objects'), before);  % failures leave nothing
 end
 
@@ -238,7 +240,17 @@ function in_use ()
   sine = diffaqua.Controller.sinusoid (1);
   throws ('DQA_ERROR_STATE', 'simulator cannot be closed while', @() s.rollout (sine, 3, [], @(d, n) s.close ()));
   throws ('DQA_ERROR_STATE', 'controller cannot be closed while', @() s.rollout (sine, 3, [], @(d, n) sine.close ()));
-  s.close ();  % the counts are right again
+  t = diffaqua.Tape (s);
+  changed = 'this %s cannot be changed while';
+  S = 'DQA_ERROR_STATE';
+  throws (S, sprintf (changed, 'simulator'), @() s.rollout (sine, 3, t, @(d, n) s.set_weights ([1, 0])));
+  throws (S, sprintf (changed, 'tape'), @() s.rollout (sine, 3, t, @(d, n) t.clear ()));
+  throws (S, sprintf (changed, 'controller'), @() s.rollout (sine, 3, t, @(d, n) sine.set_parameters ([1, 1, 1])));
+  throws (S, sprintf (changed, 'simulator'), @() s.rollout (sine, 3, [], @(d, n) s.step (0)));
+  t.clear ();
+  s.rollout (sine, 3, t, @(d, n) isempty ({s.state(), sine.parameters(), t.n_steps()}));  % questions are welcome
+  s.set_weights ([1, 0]);  % the counts are right again
+  s.close ();
   sine.close ();
 end
 

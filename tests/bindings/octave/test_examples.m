@@ -13,8 +13,9 @@ end
 function readme ()
   home = fullfile (pwd (), 'home');
   prefix = fullfile (home, '.local');
-  for component = {'', '--component octave'}
-    shell ('"%s" --install "%s" --prefix "%s" %s', getenv ('CMAKE'), getenv ('DQA_BUILD'), prefix, component{1});
+  for component = {'runtime', 'dev', 'octave'}
+    shell ('"%s" --install "%s" --prefix "%s" --component %s', getenv ('CMAKE'), getenv ('DQA_BUILD'), prefix, ...
+           component{1});
   end
   blocks = regexp (fileread (fullfile (getenv ('DQA_ROOT'), 'bindings', 'octave', 'README.md')), ...
                    '```matlab\n(.*?)```', 'tokens');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
-% [options, cancel] = options (struct) or options ('name', value, ...): a struct for the gateway, without the cancel token
-% that may be among them, whose handle comes second.
+% [options, cancel] = options (struct) or options ('name', value, ...): a struct for the gateway, without the cancel
+% token that may be among them, whose handle comes second.
 function [values, cancel] = options (varargin)
   cancel = [];
   if (numel (varargin) == 1 && isstruct (varargin{1}))
