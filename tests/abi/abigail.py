@@ -77,26 +77,31 @@ class Types:
         return f"({node.tag} {own} {' '.join(parts)})"
 
 
-def grown(old, new):
-    """Names of the structs whose only change is one that growable structs may make."""
+def compare(old, new):
+    """(Names of the structs whose only change is one that growable structs may make, lines on renamed fields).
+
+    A field that changes its name alone keeps the ABI, and abidiff keeps silent about it; programs no longer compile."""
     before, after = Types(old).structs(), Types(new).structs()
-
-    def same(was, now):
-        return was[1:] == now[1:] and (was[0] == now[0] or was[0] == "padding")
-
-    return [name for name, fields in before.items()
-            if name in after and after[name] != fields and len(after[name]) >= len(fields)
-            and fields[0][0] == "struct_size" and all(map(same, fields, after[name]))]
+    grown, renamed = [], []
+    for name, fields in before.items():
+        pairs = list(zip(fields, after.get(name, [])))
+        renamed += [f"{name}.{was[0]} is now called {now[0]}" for was, now in pairs
+                    if was[1:] == now[1:] and was[0] not in (now[0], "padding")]
+        if (name in after and after[name] != fields and len(pairs) == len(fields) and fields[0][0] == "struct_size"
+                and all(was[1:] == now[1:] and was[0] in (now[0], "padding") for was, now in pairs)):
+            grown.append(name)
+    return grown, renamed
 
 
 def breaks(old, new):
     """What a program built against `old` would stumble over in `new`: the report of abidiff, "" when nothing."""
+    grown, renamed = compare(old, new)
     with tempfile.NamedTemporaryFile("w", suffix=".suppressions", encoding="utf-8") as rules:
-        for name in grown(old, new):
+        for name in grown:
             rules.write(f"[suppress_type]\n  type_kind = struct\n  name = {name}\n")
         rules.flush()
         done = subprocess.run(["abidiff", "--suppressions", rules.name, "--no-added-syms", old, new],
                               capture_output=True, text=True, check=False)
     if done.returncode & 3:  # an error of the tool or of its command line
         raise RuntimeError(f"abidiff failed ({done.returncode}): {done.stdout}{done.stderr}")
-    return done.stdout if done.returncode else ""
+    return (done.stdout if done.returncode else "") + "\n".join(renamed)

@@ -68,6 +68,8 @@ CHANGES = [
     ("a field in the middle", True, "tape.cpp", [("diffaqua.h", r"(int64_t memory_bytes;)", r"int64_t more; \1")]),
     ("a field's type, and a field appended", True, "tape.cpp",
      [("diffaqua.h", r"int64_t (memory_bytes;)", r"double \1 int64_t more;")]),
+    ("a field's name", True, "tape.cpp",
+     [("diffaqua.h", r"\brescued_steps;", "mended_steps;"), ("tape.cpp", r"\bout\.rescued_steps\b", "out.mended_steps")]),
     ("two fields swapped", True, "tape.cpp",
      [("diffaqua.h", r"double (worst_residual;)((?:.|\n)*?)double (worst_adjoint_residual;)", r"double \3\2double \1")]),
     ("a field removed at the end", True, "shape_space.cpp",

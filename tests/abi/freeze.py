@@ -57,7 +57,7 @@ def main():
         if os.path.exists(frozen) and not unreleased:
             problems = abigail.breaks(frozen, now)
             if problems:
-                sys.exit(f"{problems}{version} is released: what its ABI promised may not change without another "
+                sys.exit(f"{problems}\n{version} is released: what its ABI promised may not change without another "
                          "DQA_ABI_VERSION")
         with open(now, encoding="utf-8") as source, open(frozen, "w", encoding="utf-8") as target:
             target.write(source.read())
