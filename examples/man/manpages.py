@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Writes the manual pages of the installed programs from what they say of themselves with --help.
 
-    manpages.py PROGRAMS            writes the pages beside this script; PROGRAMS is the folder of the built programs
-    manpages.py --check PROGRAMS    fails where a page is not what the program says
+    manpages.py PROGRAMS FOLDER            writes the pages to FOLDER; PROGRAMS is the folder of the built programs
+    manpages.py --check PROGRAMS FOLDER    fails where a page lacks an option of its program
 """
 import os
 import re
@@ -19,6 +19,8 @@ PROGRAMS = {
     "open_loop": ("diffaqua-open-loop", "experiment: an eel's shape and sine, with baselines", None),
     "shape_optimization": ("diffaqua-shape-optimization", "experiment: the fastest shape between two animals", None),
     "shape_exploration": ("diffaqua-shape-exploration", "experiment: the shapes between three animals", None),
+    "pareto": ("diffaqua-pareto", "experiment: swimmers between speed and efficiency", None),
+    "domain_error": ("diffaqua-domain-error", "experiment: what leaving faint cells out does to a swimmer", None),
     "plane": ("diffaqua-plane", "co-design of a swimmer in two dimensions, in seconds", """usage: plane [FILE]
 
 Three fish seen from above, each drawn by a formula, span a space of outlines, and a sine bends the swimmer's tail. Adam
@@ -102,26 +104,27 @@ def main():
     check = arguments[:1] == ["--check"]
     if check:
         del arguments[0]
-    if len(arguments) != 1 or arguments[0].startswith("-"):
+    if len(arguments) != 2 or arguments[0].startswith("-"):
         sys.exit(__doc__.strip())
+    programs, folder = arguments
     with open(HEADER, encoding="utf-8") as file:
         version = ".".join(re.findall(r"^#define DQA_VERSION_\w+ +(\d+)", file.read(), flags=re.M))
-    stale = []
+    os.makedirs(folder, exist_ok=True)
     for program, (name, _, text) in PROGRAMS.items():
-        said = text or subprocess.run([os.path.join(arguments[0], program), "--help"], check=True, capture_output=True,
+        said = text or subprocess.run([os.path.join(programs, program), "--help"], check=True, capture_output=True,
                                       text=True).stdout
-        wanted, path = page(program, said, version), os.path.join(HERE, name + ".1")
+        path = os.path.join(folder, name + ".1")
         if not check:
             with open(path, "w", encoding="utf-8") as file:
-                file.write(wanted)
+                file.write(page(program, said, version))
             continue
         with open(path, encoding="utf-8") as file:
-            if file.read() != wanted:
-                stale.append(os.path.basename(path))
-    if stale:
-        sys.exit(f"{', '.join(stale)}: not what the programs say; run examples/man/manpages.py PROGRAMS")
+            written = file.read().replace("\\-", "-")
+        lacking = set(re.findall(r"--[a-z-]+", said)) - set(re.findall(r"--[a-z-]+", written))
+        if lacking or "EXIT STATUS" not in written or len(written) < len(said):
+            sys.exit(f"{name}.1 lacks {', '.join(sorted(lacking)) or 'a part of what the program says'}")
     if check:
-        print("all manual pages say what the programs say")
+        print("every manual page says what its program says")
 
 
 if __name__ == "__main__":
