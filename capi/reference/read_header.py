@@ -57,7 +57,7 @@ def lines_of(body):
 def escape(line):
     """Text that doxygen takes as it stands, with links at the names of functions and constants."""
     line = re.sub(r"([\\@<>&#%*~|])", r"\\\1", line)
-    line = line.replace("e.g. ", "e.g.\\ ")  # no end of a sentence
+    line = re.sub(r"\b(e\.g\.|i\.e\.|et al\.) ", r"\1\\ ", line)  # no end of a sentence
     line = re.sub(r"\b(dqa_\w+)\b(?![(*\\])", lambda name: name.group(1) + ("()" if name.group(1) in FUNCTIONS else ""), line)
     return re.sub(r"\b(DQA_\w+)\b", lambda name: ("#" if name.group(1) in CONSTANTS else "") + name.group(1), line)
 
