@@ -3,89 +3,38 @@
 #include "gamut.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "checkpoint.h"
 #include "front.h"
-#include "hash.h"
-#include "interrupt.h"
-#include "memory_text.h"
-#include "output.h"
 #include "say.h"
 
 /* ------------------------------------------------------------------ a leg */
-/* What the checkpoint belongs to: the scene, the weights, and the design it starts from. */
-static char* settings_of(const gamut* g, const leg* l, const double* x) {
-    char* common = checkpoint_settings(g->o);
-    memory_text t;
-    if (common == NULL) return NULL;
-    memory_text_begin(&t);
-    memory_text_add(&t, "%sleg %s of %s: weight %.17g from design %016llx\n", common, l->name, g->o->form->program,
-                    l->w, (unsigned long long)hash_bytes(x, (size_t)(g->s->n_weights + g->s->n_control) * sizeof *x));
-    free(common);
-    if (!t.failed) return t.text;
-    memory_text_end(&t);
-    (void)say_no_memory();
-    return NULL;
-}
-
-static int open_leg(gamut* g, leg* l, const double* x) {
-    const int64_t n_weights = g->s->n_weights, n_control = g->s->n_control;
-    int created = 0, outcome;
-    (void)snprintf(l->name, sizeof l->name, "%s_%d", g->name, g->n_legs);
-    l->folder = output_path(g->o->out, l->name);
-    l->settings = settings_of(g, l, x);
-    if (l->folder == NULL || l->settings == NULL) return FAILED;
-    outcome = output_folder(l->folder, &created);
-    if (outcome == DONE) outcome = run_create(&l->r, g->o, n_weights, x + n_weights, n_control, SCENE_OMEGA0);
-    if (outcome != DONE) return outcome;
-    l->has_run = 1;
-    memcpy(l->r.x, x, (size_t)n_weights * sizeof *x);
-    if (!g->o->resume || !checkpoint_exists(l->folder)) return checkpoint_save(&l->r, l->settings, l->folder);
-    outcome = checkpoint_load(&l->r, l->settings, l->folder);
-    if (outcome == DONE) say("%s continues after iteration %lld", l->name, (long long)l->r.iteration);
-    return outcome;
-}
-
 int gamut_descend(gamut* g, double w, const double* x, int64_t iterations, int64_t before) {
     leg* l = &g->legs[g->n_legs];
-    descent d = {&l->r, g->s, g->p, NULL, NULL, before};
-    int outcome;
+    char what[64];
     if (g->n_legs == GAMUT_MAX_LEGS) {
         say("more than %d descents", GAMUT_MAX_LEGS);
         return FAILED;
     }
     l->w = w;
-    l->iterations = iterations;
-    outcome = open_leg(g, l, x);
+    (void)snprintf(l->name, sizeof l->name, "%s_%d", g->name, g->n_legs);
+    (void)snprintf(what, sizeof what, "weight %.17g", w);
     ++g->n_legs;
     g->s->terms[0].weight = w / fabs(g->initial[0]);
     g->s->terms[1].weight = (1.0 - w) / fabs(g->initial[1]);
-    g->p->part_name = l->name;
-    d.settings = l->settings;
-    d.out = l->folder;
-    l->r.cpu_before -= progress_cpu();
-    while (outcome == DONE && l->r.iteration < iterations) outcome = interrupted() ? INTERRUPTED : descent_iterate(&d);
-    l->r.cpu_before += progress_cpu();
-    return outcome;
+    return leg_descend(l, g->o, g->s, g->p, what, x, NULL, iterations, before);
 }
 
 void gamut_free(gamut* g) {
-    for (int k = 0; k < g->n_legs; ++k) {
-        leg* l = &g->legs[k];
-        if (l->has_run) run_free(&l->r);
-        free(l->folder);
-        free(l->settings);
-    }
+    for (int k = 0; k < g->n_legs; ++k) leg_free(&g->legs[k]);
     g->n_legs = 0;
 }
 
 /* ------------------------------------------------------------------ its designs */
 int64_t gamut_simulations(const gamut* g) {
     int64_t n = 0;
-    for (int k = 0; k < g->n_legs; ++k)
-        if (g->legs[k].r.iteration > 0) n += g->legs[k].r.rows[g->legs[k].r.iteration - 1].simulations;
+    for (int k = 0; k < g->n_legs; ++k) n += leg_simulations(&g->legs[k]);
     return n;
 }
 

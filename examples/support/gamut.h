@@ -3,21 +3,12 @@
 #ifndef DQA_EXAMPLES_GAMUT_H
 #define DQA_EXAMPLES_GAMUT_H
 
-#include "descent.h"
+#include "leg.h"
 
 #define GAMUT_MAX_LEGS 32
 
-/* A descent on w first + (1 - w) second loss, each divided by the size of its initial value. */
-typedef struct leg {
-    char name[32]; /* of its folder */
-    char *folder, *settings;
-    double w;
-    int64_t iterations; /* planned */
-    run r;
-    int has_run;
-} leg;
-
-/* The legs of one method, in the order in which they are made. */
+/* The legs of one method, in the order in which they are made: each a descent on w first + (1 - w) second loss, with
+ * its w, each loss divided by the size of its initial value. */
 typedef struct gamut {
     const char* name;
     const options* o; /* whose objective has two terms */

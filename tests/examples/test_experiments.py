@@ -21,7 +21,8 @@ SHAPES = os.environ.get("DQA_SHAPES_DIR") or os.path.join(
     os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
 TINY = {"open_loop": ["--grid", "24x8x8", "--steps", "3", "--iterations", "2", "--generations", "3"],
         "shape_optimization": ["--grid", "20x8x10", "--steps", "3", "--iterations", "5"],
-        "pareto": ["--quick", "--grid", "20x8x8", "--steps", "3", "--iterations", "2"]}
+        "pareto": ["--quick", "--grid", "20x8x8", "--steps", "3", "--iterations", "2"],
+        "ablations": ["--grid", "20x8x8", "--steps", "2", "--iterations", "2"]}
 
 
 def name():
@@ -75,6 +76,28 @@ class Experiment(unittest.TestCase):
         width, height, rows = results.read_png(os.path.join(self.out, name() + ".png"))
         self.assertEqual(len(rows), height)
         self.assertGreater(sum(pixel[:3] != b"\xff\xff\xff" for row in rows for pixel in row), 0.02 * width * height)
+
+    def check_legs(self, legs, files):
+        """Killed in a leg: the tables are those of the whole run."""
+        whole = os.path.join(self.root, "whole")
+        self.assertEqual(results.run(PROGRAM, *TINY[name()], "--out", whole).returncode, 0)
+        for leg in legs:
+            out = os.path.join(self.root, "cut-" + leg)
+            process = subprocess.Popen([PROGRAM, *TINY[name()], "--out", out], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            while not os.path.exists(os.path.join(out, leg, "history.csv")) and process.poll() is None:
+                time.sleep(0.002)
+            process.kill()
+            process.wait()
+            again = results.run(PROGRAM, *TINY[name()], "--out", out, "--resume")
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertIn("continues after iteration", again.stderr)
+            for file in files:
+                with open(os.path.join(out, file), "rb") as one, open(os.path.join(whole, file), "rb") as other:
+                    self.assertEqual(one.read(), other.read(), file)
+        other = results.run(PROGRAM, *TINY[name()], "--out", whole, "--resume", "--steps", "4")
+        self.assertEqual(other.returncode, 2)
+        self.assertIn("steps", other.stderr)
 
 
 class Trials(Experiment):
@@ -358,25 +381,36 @@ class Pareto(Experiment):
         self.assert_files("pareto.png", "summary.json", "report.html", "gamut.csv", "hypervolume.csv")
 
     def test_resume(self):
-        whole = os.path.join(self.root, "whole")
-        self.assertEqual(results.run(PROGRAM, *TINY[name()], "--out", whole).returncode, 0)
-        for leg in ("sweep_1", "bisect_2"):
-            out = os.path.join(self.root, "cut-" + leg)
-            process = subprocess.Popen([PROGRAM, *TINY[name()], "--out", out], stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL)
-            while not os.path.exists(os.path.join(out, leg, "history.csv")) and process.poll() is None:
-                time.sleep(0.002)
-            process.kill()
-            process.wait()
-            again = results.run(PROGRAM, *TINY[name()], "--out", out, "--resume")
-            self.assertEqual(again.returncode, 0, again.stderr)
-            self.assertIn("continues after iteration", again.stderr)
-            for file in ("gamut.csv", "hypervolume.csv", "signals.csv"):
-                with open(os.path.join(out, file), "rb") as one, open(os.path.join(whole, file), "rb") as other:
-                    self.assertEqual(one.read(), other.read(), file)
-        other = results.run(PROGRAM, *TINY[name()], "--out", whole, "--resume", "--steps", "4")
-        self.assertEqual(other.returncode, 2)
-        self.assertIn("steps", other.stderr)
+        self.check_legs(("sweep_1", "bisect_2"), ("gamut.csv", "hypervolume.csv", "signals.csv"))
+
+
+class Ablations(Experiment):
+    def test_runs(self):
+        names, rows = results.read_history(self.out)
+        columns = {column: [float(row[k]) for row in rows] for k, column in enumerate(names)}
+        starts = [columns[f"start_{k:02d}"] for k in range(1, 11)]
+        scales = [columns[scale] for scale in ("default", "balanced", "reversed")]
+        self.assertEqual(len({curve[0] for curve in scales}), 1, "all scales start from the same design")
+        self.assertEqual(len({tuple(curve) for curve in scales}), 3)
+        self.assertEqual(len({curve[0] for curve in starts}), 10)
+        for k, mean in enumerate(columns["mean_of_starts"]):
+            self.assertAlmostEqual(mean, math.fsum(curve[k] for curve in starts) / 10, delta=1e-12)
+        for scale, rates in (("default", (0.05, 0.01)), ("reversed", (0.01, 0.05))):
+            for told, wanted in zip(self.summary["scales"][scale]["rates"], rates):
+                self.assertAlmostEqual(told, wanted, delta=1e-15)
+        balanced = self.summary["scales"]["balanced"]["rates"]
+        self.assertAlmostEqual(balanced[0], balanced[1], delta=1e-15)
+        for told in [*self.summary["scales"].values(), *self.summary["starts"].values()]:
+            self.assertAlmostEqual(sum(told["first_weights"]), 1.0, delta=1e-12)
+            self.assertGreaterEqual(min(told["best_weights"]), 0.0)
+            self.assertLess(told["loss_best"], 2.0 * told["loss_first"])
+        self.assert_shown("scales_differ", "starts_end_apart")
+
+    def test_files(self):
+        self.assert_files("ablations.png", "history.csv", "summary.json")
+
+    def test_resume(self):
+        self.check_legs(("balanced", "start_03"), ("history.csv",))
 
 
 class CommandLine(unittest.TestCase):
@@ -400,7 +434,7 @@ def main():
         print("skipped: the shapes are neither shipped nor in the folder named by DQA_TEST_DATA")
         return 77
     cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration,
-             "domain_error": DomainError, "pareto": Pareto}
+             "domain_error": DomainError, "pareto": Pareto, "ablations": Ablations}
     loader, suite = unittest.TestLoader(), unittest.TestSuite()
     for case in (CommandLine, cases[name()]):
         suite.addTests(loader.loadTestsFromTestCase(case))
