@@ -370,7 +370,8 @@ class Pareto(Experiment):
         self.assertLess(bisect["simulations"], sweep["simulations"])
         self.assert_shown("more_volume_per_simulation")
         rows = self.read_gamut(self.out)
-        first = {(row["travel"], row["efficiency"]) for row in rows if row["method"] == "sweep" and row["iteration"] == "1"}
+        first = {(row["travel"], row["efficiency"]) for row in rows
+                 if row["method"] == "sweep" and row["iteration"] == "1"}
         self.assertEqual(len(first), 1, "every weight starts from the same design")
         with open(os.path.join(self.out, "hypervolume.csv"), newline="") as stream:
             volumes = [float(row["hypervolume"]) for row in csv.DictReader(stream) if row["method"] == "bisect"]
@@ -413,10 +414,36 @@ class Ablations(Experiment):
         self.check_legs(("balanced", "start_03"), ("history.csv",))
 
 
+class Beyond(Experiment):
+    def test_methods(self):
+        with open(os.path.join(self.out, "history.csv"), newline="") as stream:
+            rows = list(csv.DictReader(stream))
+        methods = self.summary["methods"]
+        for method, told in methods.items():
+            losses = [float(row["loss"]) for row in rows if row["method"] == method]
+            self.assertEqual(len(losses), told["simulations"])
+            self.assertEqual(min(losses), told["loss_best"])
+            self.assertAlmostEqual(sum(told["weights"]), 1.0, delta=1e-9)
+            for logarithm in told["log_stiffness"]:
+                self.assertLessEqual(abs(logarithm), 1.3863)
+        for searched in ("descent", "several", "cma_es"):
+            self.assertEqual(methods[searched]["simulations"], 2 * self.summary["iterations"])
+        # One descent begins as that with the given stiffness does, and all three stiffnesses at the same design.
+        first = [[row["loss"] for row in rows if row["method"] == method] for method in ("given", "descent")]
+        self.assertEqual(first[0], first[1][:len(first[0])])
+        self.assertEqual(len({methods[method]["loss_first"] for method in ("given", "uniform", "profile")}), 1)
+        self.assertEqual(len(methods["profile"]["log_stiffness"]), 5)
+        self.assertGreater(len(set(methods["profile"]["log_stiffness"])), 1)
+        self.assert_shown("gradient_of_stiffness", "stiffness_pays")
+
+    def test_files(self):
+        self.assert_files("beyond.png", "history.csv", "profile.csv", "summary.json")
+
+
 class CommandLine(unittest.TestCase):
     def test_refusals(self):
-        for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--quick", "a.stl", "b.stl", "c.stl", "d.stl"],
-                      ["--sigma", "0"]):
+        for words in (["--fixed-control"], ["--iterations"], ["--grid", "4x4x4"], ["--sigma", "0"],
+                      ["--quick", "a.stl", "b.stl", "c.stl", "d.stl"]):
             process = results.run(PROGRAM, *words)
             self.assertEqual(process.returncode, 2, (words, process.stderr))
             self.assertIn(name() + ":", process.stderr)
@@ -434,7 +461,7 @@ def main():
         print("skipped: the shapes are neither shipped nor in the folder named by DQA_TEST_DATA")
         return 77
     cases = {"open_loop": OpenLoop, "shape_optimization": ShapeOptimization, "shape_exploration": ShapeExploration,
-             "domain_error": DomainError, "pareto": Pareto, "ablations": Ablations}
+             "domain_error": DomainError, "pareto": Pareto, "ablations": Ablations, "beyond": Beyond}
     loader, suite = unittest.TestLoader(), unittest.TestSuite()
     for case in (CommandLine, cases[name()]):
         suite.addTests(loader.loadTestsFromTestCase(case))
