@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * ablations — section 8.4 of Ma et al., "DiffAqua", 2021: what the scale of parameters and the first design do to the
- * co-optimisation of twelve bases and a network that keeps its place in a current. `ablations --help` lists the
+ * co-optimisation of twelve bases and a network. `ablations --help` lists the
  * options.
  */
 #include <math.h>
@@ -21,7 +21,6 @@
 
 #define PICTURE "ablations.png"
 #define SCRIPT "ablations.gp"
-#define CURRENT 0.05 /* m/s against the head */
 #define CLEARLY 0.05 /* by which losses differ, as a share of what was gained */
 #define N_SCALES 3
 #define N_STARTS 10
@@ -32,14 +31,16 @@ static const char help[] =
     "\n"
     "Co-optimises shape and network of a swimmer between four sharks, seven goldfish and a submarine (unless others "
     "are\n"
-    "named) that has to keep its place in a current: with rates of shape and network as everywhere, equal, and\n"
+    "named) for the distance travelled or another objective: with rates of shape and network as everywhere, equal, "
+    "and\n"
     "exchanged; and from ten random shapes and networks.\n"
     "\n"
     "  --grid NXxNYxNZ   cells of the box (60x16x26; quick 28x8x12)\n"
     "  --iterations N    of Adam in each run (20; quick 3)\n"
     "  --steps N         time steps of 1/30 s (100; quick 12)\n"
     "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7)\n"
-    "  --current X,Y,Z   velocity of the water in m/s (-0.05,0,0)\n"
+    "  --objective LIST  what is made smallest; see codesign --help (travel)\n"
+    "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
     "  --out DIR         folder of the results (./ablations-out)\n"
     "  --quick           a coarse version, within a minute\n"
     "  --resume          continue an interrupted run in DIR; give the other options again\n"
@@ -48,7 +49,7 @@ static const char help[] =
     "\n"
     "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
 
-static const char* const words[] = {"--grid", "--iterations", "--steps",  "--sigma",   "--current",
+static const char* const words[] = {"--grid", "--iterations", "--steps",  "--sigma",   "--objective", "--current",
                                     "--out",  "--quick",      "--resume", "--threads", NULL};
 static const char* const shapes[] = {"great_white.stl",
                                      "hammerhead.stl",
@@ -347,10 +348,6 @@ static int prepare(job* w, int* created) {
         return USAGE;
     }
     w->o.mlp = 1;
-    objective_free(&w->o.loss);
-    if (outcome == DONE) outcome = objective_parse(&w->o.loss, "keep", NULL);
-    if (w->o.laws.current[0] == 0.0 && w->o.laws.current[1] == 0.0 && w->o.laws.current[2] == 0.0)
-        w->o.laws.current[0] = -CURRENT;
     if (outcome == DONE) outcome = output_folder(w->o.out, created);
     if (outcome == DONE && !w->o.resume && found)
         say("starting anew in %s; --resume would have continued the run that lies there", w->o.out);
