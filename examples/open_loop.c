@@ -20,31 +20,18 @@ static const trial_plan trials[] = {
     {.name = "cma_es", .label = "CMA-ES", .moves = RUN_BOTH, .cma_es = 1},
 };
 
-static const char help[] =
+static const char about[] =
     "usage: open_loop [options] [vertical-eel horizontal-eel]\n"
     "\n"
     "Co-optimises shape and sine of an eel for the distance travelled, from the middle between the two meshes and a\n"
-    "sine of amplitude 0.5, and runs the baselines: shape and control in turn, shape only, control only, CMA-ES.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (40x8x8)\n"
-    "  --iterations N    of Adam (20; quick 10); in turn: twice as many\n"
-    "  --generations N   of CMA-ES, 8 simulations each (250; quick 6)\n"
-    "  --steps N         time steps of 1/30 s (100; quick 30)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.4)\n"
-    "  --out DIR         folder of the results (./open_loop-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --resume          continue an interrupted run in DIR; give the other options again\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+    "sine of amplitude 0.5 (ours), and runs the baselines: shape and control in turn (alternate, twice as many\n"
+    "iterations), shape_only, control_only, cma_es (8 simulations a generation).\n";
 
-static const char* const words[] = {"--grid", "--iterations", "--generations", "--steps",   "--sigma",
-                                    "--out",  "--quick",      "--resume",      "--threads", NULL};
+static const char* const words[] = {"--iterations", "--generations", "--steps", "--rate", "--only", NULL};
 static const char* const shapes[] = {"eel_vertical.stl", "eel_horizontal.stl", NULL};
 
 static const options_form form = {.program = "open_loop",
-                                  .help = help,
+                                  .about = about,
                                   .out = "open_loop-out",
                                   .words = words,
                                   .shapes = shapes,
@@ -73,6 +60,7 @@ static void claim(experiment* e) {
 }
 
 static void curves(const experiment* e, FILE* f) {
+    const trial* shown = &e->trials[e->shown];
     char seconds[16], simulations[16];
     const int columns = experiment_column_after(e, 0);
     (void)snprintf(seconds, sizeof seconds, "%d", columns + EXPERIMENT_CPU_SECONDS);
@@ -86,11 +74,11 @@ static void curves(const experiment* e, FILE* f) {
     fputs("unset logscale x\nset xlabel 'iteration' offset 0,0.5\nset yrange [-0.02:1.02]\n", f);
     plot_panel(f, "Ours: design and signal", 0.715, 0.98);
     fprintf(f,
-            "plot 'ours/history.csv' every ::1 using 1:%d with linespoints lt 1 pt 7 ps 0.6 title 'vertical eel', \\\n"
+            "plot '%s/history.csv' every ::1 using 1:%d with linespoints lt 1 pt 7 ps 0.6 title 'vertical eel', \\\n"
             "     '' every ::1 using 1:%d with linespoints lt 2 pt 7 ps 0.6 title 'amplitude a', \\\n"
             "     '' every ::1 using 1:($%d/%.9g) with linespoints lt 3 pt 7 ps 0.6 title '\u03c9 / 2\u03c9\u2080'\n"
             "set autoscale y\n",
-            experiment_column_weight(e, 0), 3 + (int)e->trials[OURS].r.n_weights, 4 + (int)e->trials[OURS].r.n_weights,
+            shown->plan->name, experiment_column_weight(e, 0), 3 + (int)shown->r.n_weights, 4 + (int)shown->r.n_weights,
             2.0 * SCENE_OMEGA0);
 }
 

@@ -13,15 +13,14 @@
 #include "support/checkpoint.h"
 #include "support/exhibit.h"
 #include "support/gallery.h"
-#include "support/hash.h"
 #include "support/interrupt.h"
-#include "support/memory_text.h"
 #include "support/options.h"
 #include "support/output.h"
 #include "support/plot.h"
 #include "support/progress.h"
 #include "support/say.h"
 #include "support/scene.h"
+#include "support/sealed_text.h"
 #include "support/summary.h"
 
 #define SIDE 4                                 /* steps along a side of the triangle */
@@ -32,32 +31,20 @@
 #define ROWS 0.68    /* between rows, relative to that */
 #define ROOM 0.5     /* around the triangle, in lengths */
 #define LEAST_OVERLAP 0.97
-#define MAGIC "shape_exploration checkpoint 1\n"
+#define MAGIC "shape_exploration checkpoint 2\n"
 
-static const char help[] =
+static const char about[] =
     "usage: shape_exploration [options] [mesh mesh mesh]\n"
     "       shape_exploration [options] --bases-file FILE\n"
     "\n"
     "Interpolates between three meshes (clownfish, manta ray and stingray unless others are named) and draws the\n"
-    "triangle of the twelve shapes between them, with their muscles.\n"
-    "\n"
-    "  --bases-file FILE meshes and their muscles from a list; see codesign --help\n"
-    "  --grid NXxNYxNZ   cells of the box (60x54x14; quick 30x27x8)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.4)\n"
-    "  --out DIR         folder of the results (./shape_exploration-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --resume          continue an interrupted run in DIR; give the other options again\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+    "triangle of the twelve shapes between them, with their muscles.\n";
 
-static const char* const words[] = {"--bases-file", "--grid",   "--sigma",   "--out",
-                                    "--quick",      "--resume", "--threads", NULL};
+static const char* const words[] = {"--bases-file", NULL};
 static const char* const shapes[] = {"clownfish.stl", "manta_ray.stl", "stingray.stl", NULL};
 
 static const options_form form = {.program = "shape_exploration",
-                                  .help = help,
+                                  .about = about,
                                   .out = "shape_exploration-out",
                                   .words = words,
                                   .shapes = shapes,
@@ -76,33 +63,17 @@ typedef struct job {
 } job;
 
 /* ------------------------------------------------------------------ checkpoint */
-/* The finished shapes, behind the settings they belong to and before a checksum of both. */
-static char* checkpoint_text(const job* w) {
+/* The finished shapes, behind the settings they belong to. */
+static int save_checkpoint(const job* w) {
     memory_text t;
     memory_text_begin(&t);
-    memory_text_add(&t, "%s%s", MAGIC, w->settings);
+    memory_text_add(&t, "%s%s%s", MAGIC, w->settings, CHECKPOINT_SETTINGS_END);
     for (int k = 0; k < w->finished; ++k) {
         const exhibit* s = &w->shapes[k];
         memory_text_add(&t, "shape %a %a %a %a %" PRId64 " %" PRId64 " %" PRId64 "\n", s->volume, s->largest,
                         s->overlap, s->seconds, s->body_cells, s->parts, s->muscle_cells);
     }
-    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : hash_bytes(t.text, t.length));
-    if (!t.failed) return t.text;
-    memory_text_end(&t);
-    (void)say_no_memory();
-    return NULL;
-}
-
-static int save_checkpoint(const job* w) {
-    output_file file;
-    char* text = checkpoint_text(w);
-    int outcome = text != NULL ? output_open(&file, w->o.out, CHECKPOINT_FILE) : FAILED;
-    if (outcome == DONE) {
-        fputs(text, file.stream);
-        outcome = output_commit(&file);
-    }
-    free(text);
-    return outcome;
+    return sealed_text_write(&t, w->o.out, CHECKPOINT_FILE);
 }
 
 static int read_shapes(job* w, const char* at) {
@@ -120,28 +91,20 @@ static int read_shapes(job* w, const char* at) {
         s->body_cells = (int64_t)numbers[4], s->parts = (int64_t)numbers[5], s->muscle_cells = (int64_t)numbers[6];
         at += strspn(at, "\n");
     }
-    return strncmp(at, "checksum ", 9) == 0 ? DONE : FAILED;
+    return *at == '\0' ? DONE : FAILED;
 }
 
 static int load_checkpoint(job* w) {
-    char* path = output_path(w->o.out, CHECKPOINT_FILE);
-    const size_t head = strlen(MAGIC) + strlen(w->settings), tail = strlen("checksum 0123456789abcdef\n");
-    size_t size = 0;
-    char *text = path != NULL ? memory_text_read(path, &size) : NULL, sum[32] = "";
-    int outcome = DONE;
-    free(path);
-    if (text == NULL) return FAILED;
-    if (size >= tail) (void)snprintf(sum, sizeof sum, "checksum %016" PRIx64 "\n", hash_bytes(text, size - tail));
-    if (size < tail || strcmp(text + size - tail, sum) != 0 || strncmp(text, MAGIC, strlen(MAGIC)) != 0) {
-        say("the checkpoint in %s is damaged or of another version; start without --resume", w->o.out);
-        outcome = FAILED;
-    } else if (size < head + tail || strncmp(text + strlen(MAGIC), w->settings, strlen(w->settings)) != 0) {
-        say("the checkpoint in %s belongs to other settings; give the same options again", w->o.out);
-        outcome = USAGE;
-    } else if (read_shapes(w, text + head) != DONE) {
-        say("the checkpoint in %s does not hold what it should; start without --resume", w->o.out);
-        outcome = FAILED;
+    char* text = sealed_text_read(w->o.out, CHECKPOINT_FILE, MAGIC);
+    char* end = text != NULL ? strstr(text, CHECKPOINT_SETTINGS_END) : NULL;
+    int outcome = FAILED;
+    if (end != NULL) {
+        *end = '\0';
+        outcome = checkpoint_compare(text + strlen(MAGIC), w->settings);
     }
+    if (outcome == DONE) outcome = read_shapes(w, end + strlen(CHECKPOINT_SETTINGS_END));
+    if (outcome == FAILED && text != NULL)
+        say("the checkpoint in %s does not hold what it should; start without --resume", w->o.out);
     free(text);
     if (outcome == DONE) say("continuing after shape %d", w->finished);
     return outcome;

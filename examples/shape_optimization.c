@@ -19,33 +19,19 @@ static const trial_plan trials[] = {
     {.name = "from_middle", .label = "from the middle", .moves = RUN_WEIGHTS, .weights = middle},
 };
 
-static const char help[] =
+static const char about[] =
     "usage: shape_optimization [options] [shark orca]\n"
     "\n"
-    "Finds the shape between the two meshes that travels farthest under a sine of amplitude 1 and a period of 12 "
-    "steps,\n"
-    "from the orca and from the middle.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (60x16x26; quick 30x8x14)\n"
-    "  --iterations N    of Adam, from each start; it ends earlier where it has converged (40)\n"
-    "  --steps N         time steps of 1/30 s (100; quick 24)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; quick 1)\n"
-    "  --out DIR         folder of the results (./shape_optimization-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --resume          continue an interrupted run in DIR; give the other options again\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+    "Finds the shape between the two meshes that travels farthest under a sine of amplitude 1 and a period of 12\n"
+    "steps, from the orca (from_orca) and from the middle (from_middle); either ends earlier where it has converged.\n";
 
-static const char* const words[] = {"--grid",  "--iterations", "--steps",   "--sigma", "--out",
-                                    "--quick", "--resume",     "--threads", NULL};
+static const char* const words[] = {"--iterations", "--steps", "--only", NULL};
 static const char* const shapes[] = {"great_white.stl", "orca.stl", NULL};
 
 /* Sharper kernels make fins that flicker between cells, and the way from one animal to the other has a local minimum.
  */
 static const options_form form = {.program = "shape_optimization",
-                                  .help = help,
+                                  .about = about,
                                   .out = "shape_optimization-out",
                                   .words = words,
                                   .shapes = shapes,

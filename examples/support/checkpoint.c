@@ -14,19 +14,19 @@
 #include "output.h"
 #include "progress.h"
 #include "say.h"
+#include "sealed_text.h"
 
-#define MAGIC "codesign checkpoint 4\n"
-#define SETTINGS_END "settings-end\n"
+#define MAGIC "codesign checkpoint 5\n"
 
 char* checkpoint_settings(const options* o) {
     memory_text t;
     memory_text_begin(&t);
-    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nbases %d\n",
+    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nrate %d\nbases %d\n",
                     dqa_version(), (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, o->steps,
                     o->mlp             ? "mlp"
                     : o->fixed_control ? "fixed"
                                        : "free",
-                    (int)o->n_meshes);
+                    (int)o->rate, (int)o->n_meshes);
     physics_add_settings(&o->laws, &t);
     if (o->model_error > 0.0)
         memory_text_add(&t, "model-error %.17g\n", o->model_error);
@@ -100,10 +100,9 @@ static void put_proof(memory_text* t, const char* name, const gradient_proof* pr
 
 int checkpoint_save(const run* r, const char* settings, const char* folder) {
     memory_text t;
-    output_file file;
     const double cpu_seconds = r->cpu_before + progress_cpu();
     memory_text_begin(&t);
-    memory_text_add(&t, "%s%s%s", MAGIC, settings, SETTINGS_END);
+    memory_text_add(&t, "%s%s%s", MAGIC, settings, CHECKPOINT_SETTINGS_END);
     memory_text_add(
         &t, "unknowns %" PRId64 " %" PRId64 "\niteration %" PRId64 " best %" PRId64 " stage %d from %" PRId64 "\n",
         r->n_weights, r->n_control, r->iteration, r->best_iteration, (int)r->stage, r->stage_first);
@@ -128,18 +127,7 @@ int checkpoint_save(const run* r, const char* settings, const char* folder) {
         put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
     }
-    memory_text_add(&t, "checksum %016" PRIx64 "\n", t.failed ? 0 : hash_bytes(t.text, t.length));
-    if (t.failed) {
-        memory_text_end(&t);
-        return say_no_memory();
-    }
-    if (output_open(&file, folder, CHECKPOINT_FILE) != DONE) {
-        memory_text_end(&t);
-        return FAILED;
-    }
-    (void)fwrite(t.text, 1, t.length, file.stream);
-    memory_text_end(&t);
-    return output_commit(&file);
+    return sealed_text_write(&t, folder, CHECKPOINT_FILE);
 }
 
 /* ------------------------------------------------------------------ reading */
@@ -253,7 +241,7 @@ static size_t line_length(const char* text) {
     return strcspn(text, "\n");
 }
 
-static int compare_settings(const char* found, const char* wanted) {
+int checkpoint_compare(const char* found, const char* wanted) {
     while (*found != '\0' && *wanted != '\0') {
         const size_t a = line_length(found), b = line_length(wanted);
         if (a != b || strncmp(found, wanted, a) != 0) {
@@ -271,38 +259,17 @@ static int compare_settings(const char* found, const char* wanted) {
     return DONE;
 }
 
-/* Cuts the checksum line off `text` and checks it. */
-static int verify(char* text, size_t size) {
-    char line[32];
-    const size_t tail = (size_t)snprintf(line, sizeof line, "checksum %016x\n", 0u);
-    if (size < tail || strncmp(text, MAGIC, strlen(MAGIC)) != 0) return FAILED;
-    (void)snprintf(line, sizeof line, "checksum %016" PRIx64 "\n", hash_bytes(text, size - tail));
-    if (memcmp(text + size - tail, line, tail) != 0) return FAILED;
-    text[size - tail] = '\0';
-    return DONE;
-}
-
 int checkpoint_load(run* r, const char* settings, const char* folder) {
-    char *path, *text, *end;
-    size_t size = 0;
-    int outcome;
-    if (path_of(folder, &path) != DONE) return FAILED;
-    text = memory_text_read(path, &size);
-    if (text == NULL) {
-        free(path);
-        return FAILED;
-    }
-    outcome = verify(text, size);
-    end = outcome == DONE ? strstr(text, SETTINGS_END) : NULL;
-    if (end == NULL) {
-        say("%s is damaged or not a checkpoint of this version; start without --resume", path);
-        outcome = FAILED;
-    } else {
+    char* text = sealed_text_read(folder, CHECKPOINT_FILE, MAGIC);
+    char* end = text != NULL ? strstr(text, CHECKPOINT_SETTINGS_END) : NULL;
+    int outcome = FAILED;
+    if (end != NULL) {
         *end = '\0';
-        outcome = compare_settings(text + strlen(MAGIC), settings);
-        if (outcome == DONE) outcome = parse_state(r, end + strlen(SETTINGS_END));
+        outcome = checkpoint_compare(text + strlen(MAGIC), settings);
+        if (outcome == DONE) outcome = parse_state(r, end + strlen(CHECKPOINT_SETTINGS_END));
+    } else if (text != NULL) {
+        say("the checkpoint in %s does not hold what it should; start without --resume", folder);
     }
     free(text);
-    free(path);
     return outcome;
 }

@@ -9,8 +9,6 @@
 #include "interrupt.h"
 #include "motion.h"
 #include "output.h"
-#include "picture.h"
-#include "plot.h"
 #include "report_run.h"
 #include "results.h"
 #include "say.h"
@@ -30,56 +28,52 @@ int experiment_holds(const experiment_claim* claim) {
     return claim->at_least ? claim->value >= claim->bound : claim->value < claim->bound;
 }
 
-int experiment_column_weight(const experiment* e, int i) {
-    (void)e;
-    return 3 + i;
-}
-
-int experiment_column_after(const experiment* e, int k) {
-    return 2 + (int)e->trials[0].r.n + 1 + k;
-}
-
-void experiment_curves(const experiment* e, FILE* f, const char* x, int y, int lowest) {
-    for (int k = 0; lowest && k < e->n_trials; ++k) fprintf(f, "least%d = 1e300\n", k);
-    fputs("plot ", f);
-    for (int k = 0; k < e->n_trials; ++k) {
-        const trial* t = &e->trials[k];
-        char value[96];
-        if (lowest)
-            (void)snprintf(value, sizeof value, "(least%d = ($%d < least%d ? $%d : least%d))", k, y, k, y, k);
-        else
-            (void)snprintf(value, sizeof value, "%d", y);
-        fprintf(f, "%s'%s/history.csv' every ::1 using %s:%s with lines lt %d title ", k > 0 ? ", \\\n     " : "",
-                t->plan->name, x, value, k + 1);
-        plot_quoted(f, t->plan->label, 40);
-    }
-    fputc('\n', f);
-}
-
 /* ------------------------------------------------------------------ trials */
 /* Cost of a later simulation, relative to one of trial k. */
-static double later_cost(const experiment_plan* plan, const options* o, int k) {
+static double later_cost(const experiment* e, int k) {
     double units = 0.0, cost = 0.0;
-    for (int i = k + 1; i < plan->n_trials; ++i) {
-        const double n = (double)trial_units(&plan->trials[i], o, POPULATION);
+    for (int i = k + 1; i < e->n_asked; ++i) {
+        const double n = (double)trial_units(e->asked[i], &e->o, POPULATION);
         units += n;
-        cost += n * (plan->trials[i].cma_es ? 1.0 - BACKWARD_COST : 1.0);
+        cost += n * (e->asked[i]->cma_es ? 1.0 - BACKWARD_COST : 1.0);
     }
-    return units > 0.0 ? cost / units / (plan->trials[k].cma_es ? 1.0 - BACKWARD_COST : 1.0) : 1.0;
+    return units > 0.0 ? cost / units / (e->asked[k]->cma_es ? 1.0 - BACKWARD_COST : 1.0) : 1.0;
+}
+
+/* 1 when the list of --only names the trial. */
+static int is_listed(const char* list, const char* name) {
+    const size_t length = strlen(name);
+    for (; *list != '\0'; list += strcspn(list, ",") + (list[strcspn(list, ",")] == ','))
+        if (strcspn(list, ",") == length && strncmp(list, name, length) == 0) return 1;
+    return 0;
+}
+
+static int choose_trials(experiment* e) {
+    const experiment_plan* plan = e->plan;
+    int names = 1;
+    for (int k = 0; k < plan->n_trials; ++k) {
+        if (e->o.only != NULL && !is_listed(e->o.only, plan->trials[k].name)) continue;
+        if (k == plan->shown) e->shown = e->n_asked;
+        e->asked[e->n_asked++] = &plan->trials[k];
+    }
+    for (const char* at = e->o.only; at != NULL && *at != '\0'; ++at) names += *at == ',';
+    if (e->o.only == NULL || e->n_asked == names) return DONE;
+    say("--only expects some of the optimisations, each once, not \"%s\"; see %s --help", e->o.only,
+        plan->form->program);
+    return USAGE;
 }
 
 static int run_trials(experiment* e) {
-    const experiment_plan* plan = e->plan;
     int64_t before = 0;
     int outcome = DONE;
-    for (int k = 0; k < plan->n_trials && outcome == DONE; ++k) {
-        outcome = trial_open(&e->trials[k], &plan->trials[k], &e->o, &e->s, plan->theta);
+    for (int k = 0; k < e->n_asked && outcome == DONE; ++k) {
+        outcome = trial_open(&e->trials[k], e->asked[k], &e->o, &e->s, e->plan->theta);
         e->n_trials = k + 1;
     }
-    for (int k = 0; k < plan->n_trials && outcome == DONE; ++k) {
+    for (int k = 0; k < e->n_asked && outcome == DONE; ++k) {
         trial* t = &e->trials[k];
         const int64_t most = trial_units(t->plan, &e->o, POPULATION);
-        progress_part(&e->p, k + 1, plan->n_trials, before + most, later_cost(plan, &e->o, k));
+        progress_part(&e->p, k + 1, e->n_asked, before + most, later_cost(e, k));
         e->p.part_name = t->plan->name;
         e->p.iteration = before + trial_simulations(t);
         if (t->plan->cma_es) e->p.seconds[PROGRESS_BACKWARD] = 0.0;
@@ -92,43 +86,16 @@ static int run_trials(experiment* e) {
 }
 
 /* ------------------------------------------------------------------ results */
-static int draw(const experiment* e, const motion* first, const motion* best, int* drawn) {
-    const motion* both[2];
-    const experiment_plan* plan = e->plan;
-    lanes_box box;
-    output_file file;
-    int created = 0;
-    char* data = output_path(e->o.out, PLOT_FOLDER);
-    int outcome = data != NULL ? output_folder(data, &created) : FAILED;
-    both[0] = first;
-    both[1] = best;
-    lanes_measure(&box, both, 2);
-    if (outcome == DONE)
-        outcome = lanes_write(first, &box, PICTURE_FIRST_COLOUR, data, "first.dat", "first_shadow.dat");
-    if (outcome == DONE) outcome = lanes_write(best, &box, PICTURE_BEST_COLOUR, data, "best.dat", "best_shadow.dat");
-    if (outcome == DONE) outcome = output_open(&file, e->o.out, plan->script);
-    if (outcome == DONE) {
-        plot_head(file.stream, plan->picture, plan->script);
-        plan->curves(e, file.stream);
-        plot_scenery(file.stream, &box);
-        plot_swimmer(file.stream, first, &box, plan->first_label, "first", 0.01);
-        plot_swimmer(file.stream, best, &box, plan->best_label, "best", 0.51);
-        fputs("unset multiplot\nset output\n", file.stream);
-        outcome = output_commit(&file);
-    }
-    if (outcome == DONE) outcome = plot_draw(e->o.out, plan->picture, plan->script, drawn);
-    free(data);
-    return outcome;
-}
-
 static void list(const experiment* e, int drawn) {
     const char* out = e->o.out;
     for (int k = 0; k < e->n_trials; ++k) {
         const run* r = &e->trials[k].r;
-        printf("%-13s loss %9.6f -> %9.6f m, %5lld simulations, %7.1f s; design", e->trials[k].plan->name,
-               r->rows[0].loss, r->best_loss, (long long)trial_simulations(&e->trials[k]), r->cpu_before);
+        printf("%-18s loss %9.6f -> %9.6f%s, %5lld simulations, %7.1f s; design", e->trials[k].plan->name,
+               r->rows[0].loss, r->best_loss, objective_is_travel(r->loss) ? " m" : "",
+               (long long)trial_simulations(&e->trials[k]), r->cpu_before);
         for (int64_t i = 0; i < r->n_weights; ++i) printf(" %.3f", r->best_x[i]);
-        printf(", a %.3f\n", r->best_x[r->n_weights]);
+        if (!r->mlp) printf(", a %.3f", r->best_x[r->n_weights]);
+        putchar('\n');
     }
     for (int k = 0; k < e->n_claims; ++k) {
         const experiment_claim* c = &e->claims[k];
@@ -144,22 +111,25 @@ static void list(const experiment* e, int drawn) {
 
 static int write_results(experiment* e, int* drawn) {
     motion first, best;
+    trial* shown = &e->trials[e->shown];
     int outcome;
     memset(&best, 0, sizeof best);
-    outcome = motion_record(&first, &e->s, e->trials[e->plan->shown].r.row_x, &e->p);
+    memset(&first, 0, sizeof first);
+    outcome = trial_enter(shown, &e->s);
+    if (outcome == DONE) outcome = motion_record(&first, &e->s, shown->r.row_x, &e->p);
     e->p.extra = 1;
-    if (outcome == DONE) outcome = motion_record(&best, &e->s, e->trials[e->plan->shown].r.best_x, &e->p);
+    if (outcome == DONE) outcome = motion_record(&best, &e->s, shown->r.best_x, &e->p);
     e->p.extra = 0;
     progress_stage(&e->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = results_write(&e->s, &best, e->o.out);
-    if (outcome == DONE) outcome = draw(e, &first, &best, drawn);
+    if (outcome == DONE) outcome = experiment_draw(e, &first, &best, drawn);
     if (outcome == DONE) {
-        trial* shown = &e->trials[e->plan->shown];
         shown->r.first_loss = shown->r.rows[0].loss;
         outcome = report_run(e->plan->form->program, &shown->r, &shown->o, &e->s, &first, &best, e->command, e->o.out);
     }
     if (outcome == DONE) {
-        e->plan->claim(e);
+        /* Of some of the optimisations nothing is to be shown. */
+        if (e->n_trials == e->plan->n_trials) e->plan->claim(e);
         outcome = experiment_summary(e);
     }
     motion_free(&first);
@@ -186,9 +156,10 @@ static int prepare(experiment* e, int* created) {
 static int work(experiment* e) {
     int64_t units = 0;
     int outcome, drawn = 0;
-    for (int k = 0; k < e->plan->n_trials; ++k) units += trial_units(&e->plan->trials[k], &e->o, POPULATION);
+    for (int k = 0; k < e->n_asked; ++k) units += trial_units(e->asked[k], &e->o, POPULATION);
     progress_begin(&e->p, units, 2);
     outcome = scene_create(&e->s, &e->o, &e->p);
+    if (outcome == DONE && e->plan->before != NULL) outcome = e->plan->before(e);
     if (outcome == DONE) outcome = run_trials(e);
     if (outcome == DONE) outcome = write_results(e, &drawn);
     progress_end(&e->p);
@@ -223,7 +194,8 @@ int experiment_main(const experiment_plan* plan, int argc, char** argv) {
     outcome = options_parse(&e->o, plan->form, argc, argv, &action);
     if (outcome == DONE && action == OPTIONS_RUN) {
         e->command = options_command(argc, argv);
-        outcome = e->command != NULL ? prepare(e, &created) : FAILED;
+        outcome = e->command != NULL ? choose_trials(e) : FAILED;
+        if (outcome == DONE) outcome = prepare(e, &created);
         if (outcome == DONE) outcome = work(e);
         if (outcome == INTERRUPTED) {
             say("interrupted after %lld simulations", (long long)e->p.iteration);

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-#include "json.h"
+#include "motion.h"
 #include "options.h"
 #include "progress.h"
 #include "scene.h"
@@ -31,8 +31,11 @@ typedef struct experiment {
     options o;
     scene s;
     progress p;
+    const trial_plan* asked[EXPERIMENT_MAX_TRIALS]; /* those of the plan that --only names, or all */
+    int n_asked;
     trial trials[EXPERIMENT_MAX_TRIALS];
     int n_trials; /* that are open */
+    int shown;    /* trial whose swimmers are shown */
     experiment_claim claims[EXPERIMENT_MAX_CLAIMS];
     int n_claims;
 } experiment;
@@ -44,8 +47,11 @@ typedef struct experiment_plan {
     double theta[3];     /* a, omega (rad/s), phi (rad) at the start */
     const char* picture; /* its file */
     const char* script;
-    int shown; /* trial whose first and best swimmers the picture and the report show */
+    int shown; /* trial whose first and best swimmers the picture and the report show, or the first that runs */
     const char *first_label, *best_label;
+    const char* crowd; /* what the curves of all trials but the first are called where they are many */
+    /* What comes before the trials, in the finished scene; NULL: nothing. DONE, FAILED (said) or INTERRUPTED. */
+    int (*before)(experiment* e);
     /* Appends the claims of the finished trials. */
     void (*claim)(experiment* e);
     /* Writes the curves of the picture: gnuplot commands after plot_head. */
@@ -65,6 +71,12 @@ int experiment_column_after(const experiment* e, int k);
 #define EXPERIMENT_SIMULATIONS 8
 /* Writes a plot of column y against column x of all trials, of the lowest y so far if `lowest`. */
 void experiment_curves(const experiment* e, FILE* f, const char* x, int y, int lowest);
+/* Writes a plot of the share of every base over the iterations of the shown trial. */
+void experiment_shares(const experiment* e, FILE* f);
+/* Writes a plot of the signals of the best swimmer over time: the tail's, and thinly those of the fins. */
+void experiment_signals(const experiment* e, FILE* f);
+/* The whole picture. *drawn is 0 when gnuplot is missing. DONE, FAILED (said) or INTERRUPTED. */
+int experiment_draw(const experiment* e, const motion* first, const motion* best, int* drawn);
 
 /* summary.json. DONE or FAILED (said). */
 int experiment_summary(const experiment* e);

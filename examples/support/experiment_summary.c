@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * summary.json of an experiment: what was asked, what each trial reached at which cost, and what that shows. */
 #include "experiment.h"
+#include "json.h"
 #include "output.h"
 #include "say.h"
 #include "summary.h"
@@ -50,7 +51,10 @@ int experiment_summary(const experiment* e) {
     for (int k = 0; k < e->n_claims; ++k) shown += experiment_holds(&e->claims[k]);
     json_begin(&j, file.stream);
     summary_program(&j, e->plan->form->program);
-    json_boolean(&j, "all_shown", shown == e->n_claims);
+    if (e->n_trials < e->plan->n_trials)
+        json_string(&j, "all_shown", NULL);
+    else
+        json_boolean(&j, "all_shown", shown == e->n_claims);
     json_open(&j, "claims", '{');
     for (int k = 0; k < e->n_claims; ++k) {
         const experiment_claim* c = &e->claims[k];

@@ -22,7 +22,7 @@ int motion_record(motion* m, scene* s, const double* x, progress* p) {
     int outcome;
     memset(m, 0, sizeof *m);
     m->n_frames = s->steps + 1;
-    m->time_step = SCENE_TIME_STEP;
+    m->time_step = s->time_step;
     outcome = activity_begin(&m->work, s, p);
     if (outcome == DONE) outcome = scene_swim_watched(s, x, p, activity_watch, &m->work);
     if (outcome == DONE) outcome = say_status(dqa_objective_term_init(&term, sizeof term), "set up the objective");

@@ -16,6 +16,7 @@
 /* Wider than the library's own kernel: thin fins that cross cells as the weights change then fade in and out instead of
  * flickering, and the loss has fewer spurious minima on the way from one animal to another. */
 #define SIGMA 0.7
+#define RATE 30 /* time steps per second, of the paper's public code */
 
 static const char help[] =
     "usage: codesign [options] [mesh...]\n"
@@ -156,7 +157,7 @@ static int add_mesh(options* o, const char* path) {
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
     const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
-        *bases_file, *threshold, *model_error, *schedule, *generations;
+        *bases_file, *threshold, *model_error, *schedule, *generations, *rate;
     physics_words laws;
 } given;
 
@@ -180,6 +181,8 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--model-error", &g->model_error},
                  {"--schedule", &g->schedule},
                  {"--generations", &g->generations},
+                 {"--rate", &g->rate},
+                 {"--only", &o->only},
                  {"--interpolation", &g->laws.interpolation},
                  {"--material", &g->laws.material},
                  {"--quadrature", &g->laws.quadrature},
@@ -189,16 +192,6 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
     for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
         if (strlen(table[i].name) == length && strncmp(table[i].name, name, length) == 0) return table[i].slot;
     return NULL;
-}
-
-/* Whether the program knows the option at the beginning of `word`. */
-static int knows(const options_form* form, const char* word) {
-    const size_t length = strcspn(word, "=");
-    /* codesign has all but what is for the experiments alone. */
-    if (form->words == NULL) return strncmp(word, "--generations", 13) != 0;
-    for (size_t i = 0; form->words[i] != NULL; ++i)
-        if (strlen(form->words[i]) == length && strncmp(form->words[i], word, length) == 0) return 1;
-    return 0;
 }
 
 static int unknown(const options* o, const char* word) {
@@ -219,8 +212,8 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
             only_meshes = 1;
         } else if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
             *action = OPTIONS_HELP;
-            return fputs(o->form->help, stdout) < 0 || fflush(stdout) != 0 ? FAILED : DONE;
-        } else if (!knows(o->form, word)) {
+            return options_print_help(o->form);
+        } else if (!options_known(o->form, word)) {
             return unknown(o, word);
         } else if (strcmp(word, "--fixed-control") == 0) {
             o->fixed_control = 1;
@@ -287,19 +280,24 @@ static int resolve_cells(options* o, const given* g) {
 }
 
 static int resolve_task(options* o, const given* g) {
+    const char* loss = g->objective;
+    int64_t rate = RATE;
     int outcome = DONE;
     if (g->controller != NULL && strcmp(g->controller, "mlp") != 0 && strcmp(g->controller, "sine") != 0) {
         say("--controller expects sine or mlp, not \"%s\"", g->controller);
         return USAGE;
     }
-    o->mlp = g->controller != NULL && strcmp(g->controller, "mlp") == 0;
+    o->mlp = o->form->mlp || (g->controller != NULL && strcmp(g->controller, "mlp") == 0);
     if (o->mlp && o->fixed_control) {
         say("--fixed-control is for the sine; a network that does not learn drives nothing");
         return USAGE;
     }
     if (g->checkpoint_mib != NULL)
         outcome = parse_count("--checkpoint-mib", g->checkpoint_mib, 1, 1000000, &o->checkpoint_mib);
-    if (outcome == DONE) outcome = objective_parse(&o->loss, g->objective != NULL ? g->objective : "travel", g->path);
+    if (outcome == DONE && g->rate != NULL) outcome = parse_count("--rate", g->rate, 1, 100000, &rate);
+    o->rate = (int32_t)rate;
+    if (loss == NULL) loss = o->form->objective != NULL ? o->form->objective : "travel";
+    if (outcome == DONE) outcome = objective_parse(&o->loss, loss, g->path);
     if (outcome == DONE) outcome = physics_parse(&o->laws, &g->laws);
     if (outcome == DONE) outcome = schedule_parse(&o->plan, g->schedule);
     return outcome;

@@ -17,6 +17,8 @@ typedef struct options {
     int64_t iterations;  /* of the optimiser, >= 1 */
     int64_t steps;       /* of a rollout, >= 1 */
     int64_t generations; /* of CMA-ES, where the program runs it */
+    int32_t rate;        /* time steps per second */
+    const char* only;    /* the trials to run, with commas between them; NULL: all */
     int32_t threads;     /* >= 1 */
     double tolerance;    /* of a time step; 0: the library's */
     schedule plan;       /* of coarser grids and looser tolerances */
@@ -49,17 +51,27 @@ typedef struct options_preset {
 /* What the command line of a program is like. */
 typedef struct options_form {
     const char* program;
-    const char* help;
+    const char* help;          /* what --help answers; NULL: it is made from `about` and the options */
+    const char* about;         /* lines of usage, and what the program does */
     const char* out;           /* folder of the results unless named */
-    const char* const* words;  /* the options it knows, NULL at the end; NULL: all */
+    const char* const* words;  /* the options it knows beside those of all experiments, NULL at the end; NULL: all */
     const char* const* shapes; /* shipped meshes it takes unless others are named, NULL at the end, and it wants as
                                   many; NULL: all shipped ones, or any number of others */
     options_preset quick, shipped, user; /* with --quick, without meshes, with meshes of the user's own */
+    const char* objective;               /* as --objective has it; NULL: travel */
     int fixed_control;                   /* the controller stays as it is */
+    int mlp;                             /* the controller is a perceptron */
+    double network_rate;                 /* of Adam for its parameters; 0: the usual one */
+    double network_scale;                /* of its first weights, relative to Glorot's; 0 counts as 1 */
     int lists; /* shipped meshes bring their lists of muscles, instead of those placed from the geometry */
 } options_form;
 
 extern const options_form options_codesign;
+
+/* 1 when an experiment of this form knows the option at the beginning of `word`. */
+int options_known(const options_form* form, const char* word);
+/* Answers --help of an experiment on stdout. DONE or FAILED. */
+int options_print_help(const options_form* form);
 
 #define OPTIONS_RUN 0  /* go on */
 #define OPTIONS_HELP 1 /* --help was answered: nothing more to do */

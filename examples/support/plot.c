@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -156,6 +157,11 @@ static int run_gnuplot(const char* folder, const char* out, const char* script) 
         return -1;
     }
     if (child == 0) {
+        /* gnuplot can hang in its own handler of SIGINT: it is not to see a Ctrl-C of the terminal. */
+        sigset_t keys;
+        (void)sigemptyset(&keys);
+        (void)sigaddset(&keys, SIGINT);
+        (void)sigprocmask(SIG_BLOCK, &keys, NULL);
         if (chdir(folder) == 0) (void)execlp("gnuplot", "gnuplot", "-e", out, script, (char*)NULL);
         _exit(errno == ENOENT ? 127 : 126);
     }

@@ -229,7 +229,7 @@ int report_run(const char* program, const run* r, const options* o, const scene*
                    "%lld base shape%s on %d\u00d7%d\u00d7%d cells, %lld iteration%s of %lld steps (%.2f s of swimming)",
                    (long long)r->n_weights, r->n_weights == 1 ? "" : "s", (int)o->grid[0], (int)o->grid[1],
                    (int)o->grid[2], (long long)r->iteration, r->iteration == 1 ? "" : "s", (long long)o->steps,
-                   (double)o->steps * SCENE_TIME_STEP);
+                   (double)o->steps * s->time_step);
     outcome = report_open(&to, folder, program, "An optimised swimmer", subtitle, command);
     if (outcome != DONE) return outcome;
     facts(&to, r, first, best);

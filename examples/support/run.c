@@ -21,6 +21,7 @@ static double* new_numbers(int64_t n) {
 }
 
 int run_create(run* r, const options* o, int64_t n_weights, const double* theta, int64_t n_control, double omega0) {
+    const double network_rate = o->form->network_rate > 0.0 ? o->form->network_rate : RATE_MLP;
     memset(r, 0, sizeof *r);
     r->n_weights = n_weights;
     r->n_control = n_control;
@@ -48,7 +49,7 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     for (int64_t i = 0; i < r->n; ++i)
         r->units[i] = !r->mlp && i >= n_weights && (i - n_weights) % 3 == 1 ? omega0 : 1.0;
     for (int64_t i = 0; i < n_control; ++i)
-        r->rates[n_weights + i] = r->mlp ? RATE_MLP : i % 3 == 1 ? RATE * omega0 : RATE;
+        r->rates[n_weights + i] = r->mlp ? network_rate : i % 3 == 1 ? RATE * omega0 : RATE;
     return DONE;
 }
 

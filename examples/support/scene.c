@@ -83,15 +83,13 @@ static int build_space(scene* s, const options* o, progress* p) {
 }
 
 static int build_controller(scene* s, const options* o, int32_t n_signals) {
-    dqa_mlp_options net;
     int outcome;
-    if (!o->mlp)
-        return say_status(dqa_controller_create_sinusoid(n_signals, SCENE_TIME_STEP, &s->controller),
-                          "create the controller");
-    outcome = say_status(dqa_mlp_options_init(&net, sizeof net), "set up the controller");
-    if (outcome != DONE) return outcome;
-    net.n_signals = n_signals;
-    return say_status(dqa_controller_create_mlp(&net, &s->controller), "create the controller");
+    if (o->mlp) return scene_use_network(s, 1);
+    outcome =
+        say_status(dqa_controller_create_sinusoid(n_signals, s->time_step, &s->controller), "create the controller");
+    if (outcome == DONE)
+        outcome = say_status(dqa_controller_n_parameters(s->controller, &s->n_control), "read the controller");
+    return outcome;
 }
 
 /* The threshold that keeps the error asked for at the initial design. The library asks a simulator, for its material;
@@ -120,7 +118,8 @@ static int build_simulator(scene* s, const options* o) {
     if (outcome != DONE) return outcome;
     s->n_weights = info.n_bases;
     s->steps = o->steps;
-    settings.time_step = SCENE_TIME_STEP;
+    s->network_scale = o->form->network_scale > 0.0 ? o->form->network_scale : 1.0;
+    settings.time_step = s->time_step = 1.0 / (double)o->rate;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     if (o->threshold >= 0.0) settings.threshold = o->threshold;
@@ -135,8 +134,6 @@ static int build_simulator(scene* s, const options* o) {
     outcome = say_status(dqa_simulator_create(s->space, &settings, &s->simulator), "create the simulator");
     if (outcome == DONE) outcome = physics_set_current(&o->laws, s->simulator);
     if (outcome == DONE) outcome = build_controller(s, o, info.n_signals);
-    if (outcome == DONE)
-        outcome = say_status(dqa_controller_n_parameters(s->controller, &s->n_control), "read the controller");
     if (outcome == DONE) outcome = say_status(dqa_tape_options_init(&record, sizeof record), "set up the tape");
     if (outcome != DONE) return outcome;
     record.memory_bytes = o->checkpoint_mib * 1024 * 1024;
@@ -163,6 +160,33 @@ void scene_free(scene* s) {
     dqa_shape_space_free(s->space);
     dqa_cancel_token_free(s->cancel);
     memset(s, 0, sizeof *s);
+}
+
+int scene_use_network(scene* s, int temporal_encoding) {
+    dqa_shape_space_info info;
+    dqa_mlp_options net;
+    dqa_controller* network = NULL;
+    int outcome = say_status(dqa_shape_space_get_info(s->space, &info, sizeof info), "read the shape space");
+    if (outcome == DONE) outcome = say_status(dqa_mlp_options_init(&net, sizeof net), "set up the controller");
+    if (outcome != DONE) return outcome;
+    net.n_signals = info.n_signals;
+    net.temporal_encoding = temporal_encoding;
+    net.scale *= s->network_scale;
+    outcome = say_status(dqa_controller_create_mlp(&net, &network), "create the controller");
+    if (outcome == DONE)
+        outcome = say_status(dqa_controller_n_parameters(network, &s->n_control), "read the controller");
+    if (outcome != DONE) {
+        dqa_controller_free(network);
+        return outcome;
+    }
+    dqa_controller_free(s->controller);
+    s->controller = network;
+    return DONE;
+}
+
+int scene_set_current(scene* s, const double velocity[3]) {
+    const double start = 0.0;
+    return say_status(dqa_simulator_set_current_table(s->simulator, &start, 1, velocity, 3), "set the water's current");
 }
 
 int scene_set(scene* s, const double* x, progress* p) {

@@ -8,9 +8,8 @@
 #include "progress.h"
 #include "run.h"
 
-#define SCENE_TIME_STEP (1.0 / 30.0) /* s */
 #define SCENE_PI 3.14159265358979323846
-#define SCENE_OMEGA0 (SCENE_PI / (6.0 * SCENE_TIME_STEP)) /* rad/s: a period of 12 steps */
+#define SCENE_OMEGA0 (5.0 * SCENE_PI) /* rad/s: a period of 12 steps of 1/30 s */
 
 #define SCENE_PROOF_STEPS 5 /* of the rollout whose gradient is checked */
 
@@ -25,13 +24,20 @@ typedef struct scene {
     int32_t n_terms; /* of the loss */
     dqa_objective_term terms[OBJECTIVE_KINDS];
     int64_t steps;
-    double threshold;   /* of the simulated cells */
-    double model_error; /* its estimated error at the initial design; 0: none was asked for */
+    double time_step;     /* s */
+    double network_scale; /* of a network's first weights, relative to the library's */
+    double threshold;     /* of the simulated cells */
+    double model_error;   /* its estimated error at the initial design; 0: none was asked for */
 } scene;
 
 /* Reads the meshes and builds everything. Every function here returns DONE, FAILED (said) or INTERRUPTED. */
 int scene_create(scene* s, const options* o, progress* p);
 void scene_free(scene* s);
+/* Makes a network the controller, with the temporal encoding among its inputs or without, and with its first
+ * parameters. */
+int scene_use_network(scene* s, int temporal_encoding);
+/* The water flows with this velocity (m/s) from here on. */
+int scene_set_current(scene* s, const double velocity[3]);
 /* Makes x = (weights, controller parameters) the current design, at rest. */
 int scene_set(scene* s, const double* x, progress* p);
 /* Swims: scene_set, then a recorded rollout. */

@@ -31,7 +31,7 @@ void summary_settings(json* j, const options* o, const run* r, const scene* s) {
     json_integer(j, "steps", o->steps);
     json_number(j, "sigma", o->sigma);
     write_schedule(j, o);
-    json_number(j, "time_step", SCENE_TIME_STEP);
+    json_number(j, "time_step", s->time_step);
     json_boolean(j, "fixed_control", o->fixed_control);
     json_boolean(j, "quick", o->quick);
     json_boolean(j, "shipped_shapes", o->shipped);

@@ -34,8 +34,9 @@ static char* settings_of(const trial_plan* plan, const options* o, const double*
     memory_text t;
     if (common == NULL) return NULL;
     memory_text_begin(&t);
-    memory_text_add(&t, "%strial %s of %s: moves %d, %s, from %.17g %.17g %.17g\n", common, plan->name,
-                    o->form->program, plan->moves, plan->cma_es ? "cma-es" : "adam", theta[0], theta[1], theta[2]);
+    memory_text_add(&t, "%strial %s of %s: moves %d, %s, from %.17g %.17g %.17g%s\n", common, plan->name,
+                    o->form->program, plan->moves, plan->cma_es ? "cma-es" : "adam", theta[0], theta[1], theta[2],
+                    plan->no_encoding ? ", without encoding" : "");
     free(common);
     if (t.failed) {
         memory_text_end(&t);
@@ -47,10 +48,12 @@ static char* settings_of(const trial_plan* plan, const options* o, const double*
 
 static int create_run(trial* t, const scene* s, const double* theta) {
     double* start = malloc((size_t)s->n_control * sizeof *start);
-    int outcome;
+    int outcome = DONE;
     if (start == NULL) return say_no_memory();
     for (int64_t i = 0; i < s->n_control; ++i) start[i] = theta[i % 3];
-    outcome = run_create(&t->r, &t->o, s->n_weights, start, s->n_control, SCENE_OMEGA0);
+    if (t->o.mlp)
+        outcome = say_status(dqa_controller_get_parameters(s->controller, start, s->n_control), "read the controller");
+    if (outcome == DONE) outcome = run_create(&t->r, &t->o, s->n_weights, start, s->n_control, SCENE_OMEGA0);
     free(start);
     if (outcome != DONE) return outcome;
     t->has_run = 1;
@@ -58,7 +61,11 @@ static int create_run(trial* t, const scene* s, const double* theta) {
     return DONE;
 }
 
-int trial_open(trial* t, const trial_plan* plan, const options* o, const scene* s, const double* theta) {
+int trial_enter(const trial* t, scene* s) {
+    return t->o.mlp ? scene_use_network(s, !t->plan->no_encoding) : DONE;
+}
+
+int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta) {
     int outcome, created = 0;
     memset(t, 0, sizeof *t);
     t->plan = plan;
@@ -68,6 +75,7 @@ int trial_open(trial* t, const trial_plan* plan, const options* o, const scene* 
     t->settings = settings_of(plan, &t->o, theta);
     if (t->folder == NULL || t->settings == NULL) return FAILED;
     outcome = output_folder(t->folder, &created);
+    if (outcome == DONE) outcome = trial_enter(t, s);
     if (outcome == DONE) outcome = create_run(t, s, theta);
     if (outcome == DONE && o->resume && checkpoint_exists(t->folder)) {
         outcome = checkpoint_load(&t->r, t->settings, t->folder);
@@ -79,17 +87,17 @@ int trial_open(trial* t, const trial_plan* plan, const options* o, const scene* 
 int trial_run(trial* t, scene* s, progress* p, int64_t before, int proves) {
     const descent d = {&t->r, s, p, t->settings, t->folder, before};
     const int64_t end = planned(t->plan, &t->o);
-    int outcome = DONE;
+    int outcome = trial_enter(t, s);
     /* The clock of this trial stands while others run. */
     t->r.cpu_before -= progress_cpu();
     if (t->plan->cma_es) {
-        outcome = evolution_open(&d, &t->search);
+        if (outcome == DONE) outcome = evolution_open(&d, &t->search);
         /* A checkpoint without a generation: a folder that cannot be written is found out early. */
         if (outcome == DONE && t->r.iteration == 0) outcome = checkpoint_save(&t->r, t->settings, t->folder);
         while (outcome == DONE && t->r.iteration < end && !(t->converged = evolution_converged(t->search)))
             outcome = interrupted() ? INTERRUPTED : evolution_generation(&d, t->search);
     } else {
-        if (t->r.iteration == 0) outcome = checkpoint_save(&t->r, t->settings, t->folder);
+        if (outcome == DONE && t->r.iteration == 0) outcome = checkpoint_save(&t->r, t->settings, t->folder);
         if (outcome == DONE && proves && t->r.iteration == 0) outcome = descent_prove(&d);
         /* The proof is no part of the optimisation. */
         if (t->r.iteration == 0) t->r.cpu_before = -progress_cpu();

@@ -13,6 +13,7 @@ typedef struct trial_plan {
     int cma_es;            /* all unknowns by CMA-ES, without gradients */
     int64_t times;         /* as many iterations as the command line says, times this; 0 counts as 1 */
     const double* weights; /* first design [bases]; NULL: that of the command line */
+    int no_encoding;       /* the network has no temporal encoding among its inputs */
 } trial_plan;
 
 typedef struct trial {
@@ -30,8 +31,11 @@ int trial_exists(const trial_plan* plan, const char* out);
 /* What progress counts of it at most: simulations. */
 int64_t trial_units(const trial_plan* plan, const options* o, int64_t population);
 /* Sets the trial up with its folder, at its beginning or, with --resume, where its checkpoint left it. theta [3]: a,
- * omega, phi of every signal at the start. DONE, USAGE or FAILED (said). */
-int trial_open(trial* t, const trial_plan* plan, const options* o, const scene* s, const double* theta);
+ * omega, phi of every signal at the start; a network starts with the parameters that the library gives it. DONE, USAGE
+ * or FAILED (said). */
+int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta);
+/* Gives the scene the controller of the trial. */
+int trial_enter(const trial* t, scene* s);
 /* Optimises; `before`: units of other trials that progress counts. `proves`: the gradient first. DONE, FAILED (said) or
  * INTERRUPTED. */
 int trial_run(trial* t, scene* s, progress* p, int64_t before, int proves);
