@@ -50,7 +50,14 @@ class Types:
     """The types of a dump by their ids."""
 
     def __init__(self, path):
-        self.by_id = {node.get("id"): node for node in ElementTree.parse(path).getroot().iter() if node.get("id")}
+        self.root = ElementTree.parse(path).getroot()
+        self.by_id = {node.get("id"): node for node in self.root.iter() if node.get("id")}
+
+    def functions(self):
+        """{name: types of what it returns and of its parameters, structs by their names alone}."""
+        return {node.get("name"): [self.spell(part.get("type-id"), (), structs=False)
+                                   for part in [*node.findall("return"), *node.findall("parameter")]]
+                for node in self.root.iter("function-decl")}
 
     def structs(self):
         """{name: [(field, offset in bits, type spelled out), ...]} of the structs with a body."""
@@ -64,38 +71,42 @@ class Types:
                                    self.spell(variable.get("type-id"), ())))
         return found
 
-    def spell(self, identifier, above):
-        """A type with all that it is made of; a type within itself is named only."""
+    def spell(self, identifier, above, structs=True):
+        """A type with all that it is made of; a type within itself is named only, and so are structs unless wanted."""
         node = self.by_id[identifier]
         own = " ".join(f"{key}={node.get(key)}" for key in ("name", "size-in-bits", "length", "const") if node.get(key))
-        if identifier in above:
-            return f"({node.tag} {own} again)"
+        if identifier in above or (node.tag == "class-decl" and not structs):
+            return f"({node.tag} {node.get('name')})"
         below = [child for child in node.iter() if child is not node and child.get("type-id")]
-        parts = [self.spell(child.get("type-id"), above + (identifier,)) for child in below]
+        parts = [self.spell(child.get("type-id"), above + (identifier,), structs) for child in below]
         if node.get("type-id"):
-            parts.insert(0, self.spell(node.get("type-id"), above + (identifier,)))
+            parts.insert(0, self.spell(node.get("type-id"), above + (identifier,), structs))
         return f"({node.tag} {own} {' '.join(parts)})"
 
 
 def compare(old, new):
-    """(Names of the structs whose only change is one that growable structs may make, lines on renamed fields).
-
-    A field that changes its name alone keeps the ABI, and abidiff keeps silent about it; programs no longer compile."""
-    before, after = Types(old).structs(), Types(new).structs()
-    grown, renamed = [], []
+    """(Names of the structs whose only change is one that growable structs may make, lines on what abidiff is silent
+    about: renamed fields, and parameters that point to const no longer, or only now. They keep the ABI, but programs do
+    not compile as they did.)"""
+    old, new = Types(old), Types(new)
+    before, after, signatures = old.structs(), new.structs(), new.functions()
+    grown, silent = [], []
+    for name, types in old.functions().items():
+        if signatures.get(name, types) != types:
+            silent.append(f"{name} has other types")
     for name, fields in before.items():
         pairs = list(zip(fields, after.get(name, [])))
-        renamed += [f"{name}.{was[0]} is now called {now[0]}" for was, now in pairs
-                    if was[1:] == now[1:] and was[0] not in (now[0], "padding")]
+        silent += [f"{name}.{was[0]} is now called {now[0]}" for was, now in pairs
+                   if was[1:] == now[1:] and was[0] not in (now[0], "padding")]
         if (name in after and after[name] != fields and len(pairs) == len(fields) and fields[0][0] == "struct_size"
                 and all(was[1:] == now[1:] and was[0] in (now[0], "padding") for was, now in pairs)):
             grown.append(name)
-    return grown, renamed
+    return grown, silent
 
 
 def breaks(old, new):
     """What a program built against `old` would stumble over in `new`: the report of abidiff, "" when nothing."""
-    grown, renamed = compare(old, new)
+    grown, silent = compare(old, new)
     with tempfile.NamedTemporaryFile("w", suffix=".suppressions", encoding="utf-8") as rules:
         for name in grown:
             rules.write(f"[suppress_type]\n  type_kind = struct\n  name = {name}\n")
@@ -104,4 +115,4 @@ def breaks(old, new):
                               capture_output=True, text=True, check=False)
     if done.returncode & 3:  # an error of the tool or of its command line
         raise RuntimeError(f"abidiff failed ({done.returncode}): {done.stdout}{done.stderr}")
-    return (done.stdout if done.returncode else "") + "\n".join(renamed)
+    return (done.stdout if done.returncode else "") + "\n".join(silent)
