@@ -21,6 +21,8 @@ PROGRAMS = {
     "shape_exploration": ("diffaqua-shape-exploration", "experiment: the shapes between three animals", None),
     "pareto": ("diffaqua-pareto", "experiment: swimmers between speed and efficiency", None),
     "domain_error": ("diffaqua-domain-error", "experiment: what leaving faint cells out does to a swimmer", None),
+    "ablations": ("diffaqua-ablations", "experiment: other rates and other starts", None),
+    "beyond": ("diffaqua-beyond", "experiment: stiffness optimised too, and ways to search", None),
     "plane": ("diffaqua-plane", "co-design of a swimmer in two dimensions, in seconds", """usage: plane [FILE]
 
 Three fish seen from above, each drawn by a formula, span a space of outlines, and a sine bends the swimmer's tail. Adam
