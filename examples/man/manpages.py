@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Writes the manual pages of the installed programs from what they say of themselves with --help.
 
-    manpages.py PROGRAMS FOLDER            writes the pages to FOLDER; PROGRAMS is the folder of the built programs
-    manpages.py --check PROGRAMS FOLDER    fails where a page lacks an option of its program
+    manpages.py FOLDER PROGRAM...            writes the pages of the built programs to FOLDER
+    manpages.py --check FOLDER PROGRAM...    fails where a page lacks an option of its program
 """
 import os
 import re
@@ -13,17 +13,22 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 HEADER = os.path.join(HERE, "..", "..", "capi", "diffaqua.h")
 
-# program: (name once installed, what it is in a line, its text where --help has none)
-PROGRAMS = {
-    "codesign": ("codesign", "co-design of a soft swimmer: its shape and controller improve together", None),
-    "open_loop": ("diffaqua-open-loop", "experiment: an eel's shape and sine, with baselines", None),
-    "shape_optimization": ("diffaqua-shape-optimization", "experiment: the fastest shape between two animals", None),
-    "shape_exploration": ("diffaqua-shape-exploration", "experiment: the shapes between three animals", None),
-    "pareto": ("diffaqua-pareto", "experiment: swimmers between speed and efficiency", None),
-    "domain_error": ("diffaqua-domain-error", "experiment: what leaving faint cells out does to a swimmer", None),
-    "ablations": ("diffaqua-ablations", "experiment: other rates and other starts", None),
-    "beyond": ("diffaqua-beyond", "experiment: stiffness optimised too, and ways to search", None),
-    "plane": ("diffaqua-plane", "co-design of a swimmer in two dimensions, in seconds", """usage: plane [FILE]
+# What programs are, in a line; those that are not here are experiments by the name that they have.
+SUMMARIES = {
+    "codesign": "co-design of a soft swimmer: its shape and controller improve together",
+    "open_loop": "experiment: an eel's shape and sine, with baselines",
+    "shape_optimization": "experiment: the fastest shape between two animals",
+    "shape_exploration": "experiment: the shapes between three animals",
+    "pareto": "experiment: swimmers between speed and efficiency",
+    "domain_error": "experiment: what leaving faint cells out does to a swimmer",
+    "ablations": "experiment: other rates and other starts",
+    "beyond": "experiment: stiffness optimised too, and ways to search",
+    "closed_loop": "experiment: a network that sees the swimmer",
+    "position_keeping": "experiment: a swimmer that keeps its place in a current",
+    "plane": "co-design of a swimmer in two dimensions, in seconds",
+}
+# What a program would say if it had a --help.
+PLANE = """usage: plane [FILE]
 
 Three fish seen from above, each drawn by a formula, span a space of outlines, and a sine bends the swimmer's tail. Adam
 moves the shares of the three and the sine's amplitude, frequency and phase together, for the distance travelled in two
@@ -31,8 +36,7 @@ seconds. Before that, finite differences prove the gradient. The loss, the share
 their way are drawn to FILE, an SVG (plane.svg).
 
 Exit codes: 0 done, 1 failure, 2 wrong command line.
-"""),
-}
+"""
 SHAPES = """.SH ENVIRONMENT
 .TP
 .B DQA_SHAPES_DIR
@@ -64,8 +68,13 @@ def options(lines):
         yield f".TP\n.BR {roff(name)}" + (f" \" \\fI{roff(value)}\\fR\"" if value else "") + f"\n{roff(text)}"
 
 
-def page(program, said, version):
-    name, summary, _ = PROGRAMS[program]
+def installed_name(program):
+    return program if program == "codesign" else "diffaqua-" + program.replace("_", "-")
+
+
+def page(program, said, version, others):
+    name = installed_name(program)
+    summary = SUMMARIES.get(program) or "experiment: " + program.replace("_", " ")
     usage, *blocks = said.strip("\n").split("\n\n")
     out = [f'.\\" Made by manpages.py from what the program says with --help.\n.TH {name.upper()} 1 "" "diffaqua {version}"',
            f".SH NAME\n{name} \\- {roff(summary)}", ".SH SYNOPSIS"]
@@ -96,8 +105,7 @@ def page(program, said, version):
             first = False
     if program != "plane":
         out.append(SHAPES.strip())
-    others = sorted(installed for installed, _, _ in PROGRAMS.values() if installed != name)
-    out += [".SH SEE ALSO", *(f".BR {roff(other)} (1)," for other in others), ".BR diffaqua (3)"]
+    out += [".SH SEE ALSO", *(f".BR {roff(other)} (1)," for other in others if other != name), ".BR diffaqua (3)"]
     return "\n".join(out) + "\n"
 
 
@@ -106,19 +114,22 @@ def main():
     check = arguments[:1] == ["--check"]
     if check:
         del arguments[0]
-    if len(arguments) != 2 or arguments[0].startswith("-"):
+    if len(arguments) < 2 or arguments[0].startswith("-"):
         sys.exit(__doc__.strip())
-    programs, folder = arguments
+    folder, *programs = arguments
     with open(HEADER, encoding="utf-8") as file:
         version = ".".join(re.findall(r"^#define DQA_VERSION_\w+ +(\d+)", file.read(), flags=re.M))
     os.makedirs(folder, exist_ok=True)
-    for program, (name, _, text) in PROGRAMS.items():
-        said = text or subprocess.run([os.path.join(programs, program), "--help"], check=True, capture_output=True,
-                                      text=True).stdout
+    names = sorted(installed_name(os.path.basename(program)) for program in programs)
+    for path in programs:
+        program = os.path.basename(path)
+        name = installed_name(program)
+        said = PLANE if program == "plane" else subprocess.run([path, "--help"], check=True, capture_output=True,
+                                                               text=True).stdout
         path = os.path.join(folder, name + ".1")
         if not check:
             with open(path, "w", encoding="utf-8") as file:
-                file.write(page(program, said, version))
+                file.write(page(program, said, version, names))
             continue
         with open(path, encoding="utf-8") as file:
             written = file.read().replace("\\-", "-")
