@@ -40,7 +40,8 @@ int options_known(const options_form* form, const char* word) {
     if (form->words == NULL)
         return !is_word("--generations", word, length) && !is_word("--rate", word, length) &&
                !is_word("--only", word, length);
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; ++i)
+    /* A help of its own tells of all that the program knows. */
+    for (size_t i = 0; i < sizeof table / sizeof table[0] && form->help == NULL; ++i)
         if (table[i].common && is_word(table[i].word, word, length)) return 1;
     for (size_t i = 0; form->words[i] != NULL; ++i)
         if (is_word(form->words[i], word, length)) return 1;
