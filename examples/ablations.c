@@ -215,7 +215,8 @@ static int draw(const job* w, int* drawn) {
     plot_page(f, PICTURE, SCRIPT, 1600, 640);
     plot_lines(f);
     fputs(
-        "set bmargin at screen 0.13; set tmargin at screen 0.90\nset xlabel 'simulations'\nset ylabel 'loss (m)'\n"
+        "set bmargin at screen 0.13; set tmargin at screen 0.90\nset xlabel 'simulations'\nset ylabel 'loss'\nset key "
+        "bottom left\n"
         "set lmargin at screen 0.075; set rmargin at screen 0.47\n"
         "set title 'Rates of shape and network: as everywhere, equal, exchanged' font ',16'\n",
         f);
