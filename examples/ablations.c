@@ -26,31 +26,16 @@
 #define N_STARTS 10
 #define N_LEGS (N_SCALES + N_STARTS)
 
-static const char help[] =
+static const char about[] =
     "usage: ablations [options] [12 meshes]\n"
     "\n"
     "Co-optimises shape and network of a swimmer between four sharks, seven goldfish and a submarine (unless others "
     "are\n"
     "named) for the distance travelled or another objective: with rates of shape and network as everywhere, equal, "
     "and\n"
-    "exchanged; and from ten random shapes and networks.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (60x16x26; quick 28x8x12)\n"
-    "  --iterations N    of Adam in each run (20; quick 3)\n"
-    "  --steps N         time steps of 1/30 s (100; quick 12)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7)\n"
-    "  --objective LIST  what is made smallest; see codesign --help (travel)\n"
-    "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
-    "  --out DIR         folder of the results (./ablations-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --resume          continue an interrupted run in DIR; give the other options again\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+    "exchanged; and from ten random shapes and networks.\n";
 
-static const char* const words[] = {"--grid", "--iterations", "--steps",  "--sigma",   "--objective", "--current",
-                                    "--out",  "--quick",      "--resume", "--threads", NULL};
+static const char* const words[] = {"--iterations", "--steps", "--objective", "--current", NULL};
 static const char* const shapes[] = {"great_white.stl",
                                      "hammerhead.stl",
                                      "thresher.stl",
@@ -66,8 +51,9 @@ static const char* const shapes[] = {"great_white.stl",
                                      NULL};
 
 static const options_form form = {.program = "ablations",
-                                  .help = help,
+                                  .about = about,
                                   .out = "ablations-out",
+                                  .mlp = 1,
                                   .words = words,
                                   .shapes = shapes,
                                   .quick = {{28, 8, 12}, 3, 12, 0, 0.7},
@@ -348,7 +334,6 @@ static int prepare(job* w, int* created) {
         say("there is no checkpoint in %s to resume from; start without --resume", w->o.out);
         return USAGE;
     }
-    w->o.mlp = 1;
     if (outcome == DONE) outcome = output_folder(w->o.out, created);
     if (outcome == DONE && !w->o.resume && found)
         say("starting anew in %s; --resume would have continued the run that lies there", w->o.out);

@@ -27,33 +27,22 @@
 #define POPULATION 8
 #define PENALTY 1.0 /* m: of a distance of one unit from the bounds */
 
-static const char help[] =
+static const char about[] =
     "usage: beyond [options] [vertical-eel horizontal-eel]\n"
     "\n"
     "Co-optimises shape and sine of an eel for the distance travelled, with a body of uniform stiffness as given, of "
     "one\n"
     "that is optimised too, and of a profile of it along the body; and searches for shape and sine in three ways in "
     "as\n"
-    "many simulations: one descent, several descents from other starts, and CMA-ES followed by a descent.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (40x8x8; quick 24x8x8)\n"
-    "  --iterations N    of a descent; each search takes twice as many simulations (20; quick 6)\n"
-    "  --steps N         time steps of 1/30 s (60; quick 20)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.4)\n"
-    "  --out DIR         folder of the results (./beyond-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted.\n";
+    "many simulations: one descent, several descents from other starts, and CMA-ES followed by a descent.\n";
 
-static const char* const words[] = {"--grid", "--iterations", "--steps",   "--sigma",
-                                    "--out",  "--quick",      "--threads", NULL};
+static const char* const words[] = {"--iterations", "--steps", NULL};
 static const char* const shapes[] = {"eel_vertical.stl", "eel_horizontal.stl", NULL};
 
 static const options_form form = {.program = "beyond",
-                                  .help = help,
+                                  .about = about,
                                   .out = "beyond-out",
+                                  .brief = 1,
                                   .words = words,
                                   .shapes = shapes,
                                   .quick = {{24, 8, 8}, 6, 20, 0, 0.4},

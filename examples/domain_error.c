@@ -30,30 +30,21 @@
 static const double thresholds[] = {BELOW_HALF, 0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1};
 enum { BODY, BOX, N_DOMAINS = sizeof thresholds / sizeof thresholds[0] };
 
-static const char help[] =
+static const char about[] =
     "usage: domain_error [options] [mesh]\n"
     "\n"
     "Lets an eel (or the mesh) swim with a sine of amplitude 1 and a period of 12 steps in the whole box, in the "
     "cells\n"
     "above several shares of the density, and without any cell outside of the body, and tells how far the places of\n"
-    "its nodes are from those in the whole box, and the time of a step.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (40x8x8; quick 30x8x8)\n"
-    "  --steps N         time steps of 1/30 s (100; quick 24)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.4)\n"
-    "  --out DIR         folder of the results (./domain_error-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted.\n";
+    "its nodes are from those in the whole box, and the time of a step.\n";
 
-static const char* const words[] = {"--grid", "--steps", "--sigma", "--out", "--quick", "--threads", NULL};
+static const char* const words[] = {"--steps", NULL};
 static const char* const shapes[] = {"eel_vertical.stl", NULL};
 
 static const options_form form = {.program = "domain_error",
-                                  .help = help,
+                                  .about = about,
                                   .out = "domain_error-out",
+                                  .brief = 1,
                                   .words = words,
                                   .shapes = shapes,
                                   .quick = {{30, 8, 8}, 1, 24, 0, 0.4},

@@ -30,27 +30,15 @@
 #define N_GAPS 4    /* that the other method closes */
 #define CLEARLY 0.1 /* by which the ends of the front differ, as a share of what was gained from the first design */
 
-static const char help[] =
+static const char about[] =
     "usage: pareto [options] [12 meshes]\n"
     "\n"
     "Optimises shape and network for w speed + (1 - w) efficiency, w = 0, 0.1 ... 1, each divided by the size of its\n"
     "initial value, from the mean of four sharks, seven goldfish and a submarine (unless others are named), and once\n"
-    "more by bisecting the front of what was found, from designs found before, in fewer simulations.\n"
-    "\n"
-    "  --grid NXxNYxNZ   cells of the box (60x16x26; quick 28x8x12)\n"
-    "  --iterations N    of Adam for each weight of the sweep (20; quick 4, and 6 weights)\n"
-    "  --steps N         time steps of 1/30 s (100; quick 16)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7)\n"
-    "  --out DIR         folder of the results (./pareto-out)\n"
-    "  --quick           a coarse version, within a minute\n"
-    "  --resume          continue an interrupted run in DIR; give the other options again\n"
-    "  --threads N       results do not depend on it (number of processors, at most 16)\n"
-    "  --help            this text\n"
-    "\n"
-    "Exit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n";
+    "more by bisecting the front of what was found, from designs found before, in fewer simulations. --quick has 6 "
+    "weights.\n";
 
-static const char* const words[] = {"--grid",  "--iterations", "--steps",   "--sigma", "--out",
-                                    "--quick", "--resume",     "--threads", NULL};
+static const char* const words[] = {"--iterations", "--steps", NULL};
 static const char* const shapes[] = {"great_white.stl",
                                      "hammerhead.stl",
                                      "thresher.stl",
@@ -66,8 +54,10 @@ static const char* const shapes[] = {"great_white.stl",
                                      NULL};
 
 static const options_form form = {.program = "pareto",
-                                  .help = help,
+                                  .about = about,
                                   .out = "pareto-out",
+                                  .objective = "travel,efficiency",
+                                  .mlp = 1,
                                   .words = words,
                                   .shapes = shapes,
                                   .quick = {{28, 8, 12}, 4, 16, 0, 0.7},
@@ -535,9 +525,6 @@ static int prepare(job* w, int* created) {
         say("there is no checkpoint in %s to resume from; start without --resume", w->o.out);
         return USAGE;
     }
-    w->o.mlp = 1;
-    objective_free(&w->o.loss);
-    if (outcome == DONE) outcome = objective_parse(&w->o.loss, "travel,efficiency", NULL);
     if (outcome == DONE) outcome = output_folder(w->o.out, created);
     if (outcome == DONE && !w->o.resume && found)
         say("starting anew in %s; --resume would have continued the run that lies there", w->o.out);

@@ -60,6 +60,7 @@ typedef struct options_form {
     options_preset quick, shipped, user; /* with --quick, without meshes, with meshes of the user's own */
     const char* objective;               /* as --objective has it; NULL: travel */
     int fixed_control;                   /* the controller stays as it is */
+    int brief;                           /* over in minutes: there is no --resume */
     int mlp;                             /* the controller is a perceptron */
     double network_rate;                 /* of Adam for its parameters; 0: the usual one */
     double network_scale;                /* of its first weights, relative to Glorot's; 0 counts as 1 */

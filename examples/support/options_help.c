@@ -22,7 +22,8 @@ static const struct {
     {"--rate", "R", "time steps per second (30)", 0, NOTHING},
     {"--sigma", "S", "width of the interpolation's kernel in cells, 0.2 to 16", 1, SIGMA},
     {"--only", "LIST", "only these of the optimisations above, with commas between them", 0, NOTHING},
-    {"--current", "X,Y,Z", "velocity of the water in m/s (measured)", 0, NOTHING},
+    {"--objective", "LIST", "what is made smallest; see codesign --help (travel)", 0, NOTHING},
+    {"--current", "X,Y,Z", "velocity of the water in m/s (still; position_keeping measures it)", 0, NOTHING},
     {"--out", "DIR", "folder of the results", 1, OUT},
     {"--quick", "", "a coarse version, within a minute", 1, NOTHING},
     {"--resume", "", "continue an interrupted run in DIR; give the other options again", 1, NOTHING},
@@ -42,7 +43,8 @@ int options_known(const options_form* form, const char* word) {
                !is_word("--only", word, length);
     /* A help of its own tells of all that the program knows. */
     for (size_t i = 0; i < sizeof table / sizeof table[0] && form->help == NULL; ++i)
-        if (table[i].common && is_word(table[i].word, word, length)) return 1;
+        if (table[i].common && is_word(table[i].word, word, length))
+            return !form->brief || !is_word("--resume", word, length);
     for (size_t i = 0; form->words[i] != NULL; ++i)
         if (is_word(form->words[i], word, length)) return 1;
     return 0;
@@ -75,6 +77,7 @@ int options_print_help(const options_form* form) {
         putchar('\n');
     }
     if (form->help == NULL)
-        fputs("\nExit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted (and resumable).\n", stdout);
+        printf("\nExit codes: 0 done, 1 failure, 2 wrong command line, 130 interrupted%s.\n",
+               form->brief ? "" : " (and resumable)");
     return fflush(stdout) == 0 && !ferror(stdout) ? DONE : FAILED;
 }
