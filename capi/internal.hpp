@@ -32,6 +32,7 @@ struct dqa_simulator {
     std::int64_t newton_iterations = 0, linear_iterations = 0;
     std::shared_ptr<std::atomic<std::int64_t>> adjoint_iterations = std::make_shared<std::atomic<std::int64_t>>(0);
     double last_residual = 0.0, setup_seconds = 0.0;
+    bool in_use = false;  // by a call that changes it; a callback of that call must not change it too
 };
 struct dqa_controller {
     std::unique_ptr<dqa::Controller> core;

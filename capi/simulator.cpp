@@ -121,6 +121,26 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     return s;
 }
 
+// For the time of a call that changes the simulator. Its callbacks may look at the simulator, but a change by one would
+// pull the ground from under the call, or put steps of two designs on one tape.
+class Change {
+public:
+    explicit Change(dqa_simulator* simulator) : simulator_(simulator) {
+        require(simulator, "simulator");
+        if (simulator->in_use)
+            fail(Status::ERROR_STATE,
+                 "simulator: a call that changes it is under way, and this one comes from a callback of that; expected "
+                 "calls that only read");
+        simulator->in_use = true;
+    }
+    Change(const Change&) = delete;
+    Change& operator=(const Change&) = delete;
+    ~Change() { simulator_->in_use = false; }
+
+private:
+    dqa_simulator* simulator_;
+};
+
 // The tape must belong to this simulator and end where the simulator stands.
 void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
     if (!tape) return;
@@ -230,7 +250,7 @@ void dqa_simulator_free(dqa_simulator* simulator) {
 dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* weights, int64_t m, dqa_progress progress,
                                      void* user_data) {
     return guard([&] {
-        require(simulator, "simulator");
+        const Change change(simulator);
         const auto w = read_weights(*simulator->space, weights, m);
         const auto start = std::chrono::steady_clock::now();
         auto design = std::make_shared<const dqa::Design>(
@@ -251,7 +271,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
 dqa_status dqa_simulator_set_current_table(dqa_simulator* simulator, const double* times, int64_t n_times,
                                            const double* velocities, int64_t n) {
     return guard([&] {
-        require(simulator, "simulator");
+        const Change change(simulator);
         if (n_times == 0) return use_current(simulator, nullptr);
         if (n_times < 0 || n_times > INT32_MAX)
             fail(Status::ERROR_ARGUMENT, "n_times is %" PRId64 ", expected a number in [0, 2^31)", n_times);
@@ -268,7 +288,7 @@ dqa_status dqa_simulator_set_current_table(dqa_simulator* simulator, const doubl
 dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_current current,
                                               dqa_current_pullback pullback, void* user_data) {
     return guard([&] {
-        require(simulator, "simulator");
+        const Change change(simulator);
         if (!current) return use_current(simulator, nullptr);
         const int dims = simulator->space->box().dims;
         const auto value = [current, user_data, dims](double time) {
@@ -291,7 +311,7 @@ dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_curr
 dqa_status dqa_simulator_set_material(dqa_simulator* simulator, const double* young_modulus,
                                       const double* muscle_stiffness, int64_t n) {
     return guard([&] {
-        require(simulator, "simulator");
+        const Change change(simulator);
         const int64_t cells = simulator->space->box().n_cells();
         if (young_modulus || muscle_stiffness)
             require_count(n, cells, "n", "young_modulus and muscle_stiffness [n_cells]");
@@ -304,7 +324,7 @@ dqa_status dqa_simulator_set_material(dqa_simulator* simulator, const double* yo
 
 dqa_status dqa_simulator_set_fixed_nodes(dqa_simulator* simulator, const int32_t* nodes, int64_t n) {
     return guard([&] {
-        require(simulator, "simulator");
+        const Change change(simulator);
         if (n != 0) require(nodes, "nodes");
         const int all = simulator->space->box().n_nodes();
         if (n < 0 || n > all) fail(Status::ERROR_ARGUMENT, "n is %" PRId64 ", expected a number in [0, %d]", n, all);
@@ -396,6 +416,7 @@ dqa_status dqa_simulator_suggest_threshold(const dqa_simulator* simulator, const
 
 dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation, int64_t n, dqa_tape* tape) {
     return guard([&] {
+        const Change change(simulator);
         const dqa::Design& design = design_of(simulator).design();
         require(actuation, "actuation");
         require_count(n, design.n_signals(), "n", "actuation [n_signals]");
@@ -415,6 +436,7 @@ dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation,
 dqa_status dqa_simulator_rollout(dqa_simulator* simulator, dqa_controller* controller, int64_t n_steps, dqa_tape* tape,
                                  dqa_progress progress, void* user_data) {
     return guard([&] {
+        const Change change(simulator);
         const dqa::Design& design = design_of(simulator).design();
         require(controller, "controller");
         if (controller->core->n_signals() != design.n_signals())
@@ -450,6 +472,7 @@ dqa_status dqa_simulator_get_state(const dqa_simulator* simulator, double* q, in
 
 dqa_status dqa_simulator_set_state(dqa_simulator* simulator, const double* q, int64_t nq, const double* v, int64_t nv) {
     return guard([&] {
+        const Change change(simulator);
         const dqa::Design& design = design_of(simulator).design();
         const int dims = design.set().box.dims;
         const int64_t n = static_cast<int64_t>(design.n_nodes()) * dims;

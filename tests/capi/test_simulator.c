@@ -296,13 +296,69 @@ static void surface_and_mesh(void** state) {
     free(vertices), free(occupancy), free(triangles), free(nodes), free(cells);
 }
 
+/* A callback of a call may look at its objects, and is told so when it tries to change them. */
+typedef struct {
+    dqa_simulator* simulator;
+    dqa_controller* controller;
+    int calls;
+} meddling;
+
+static int32_t meddle(int64_t done, int64_t total, void* user_data) {
+    meddling* m = (meddling*)user_data;
+    double signals[64] = {0}, times[1] = {0.0}, velocities[3] = {0.0, 0.0, 0.0}, weights[N_BASES];
+    dqa_simulator* s = m->simulator;
+    (void)done, (void)total;
+    ++m->calls;
+    ok(dqa_simulator_get_weights(s, weights, N_BASES));
+    refused(dqa_simulator_set_weights(s, HALF, N_BASES, NULL, NULL), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_set_current_table(s, times, 1, velocities, 3), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_set_current_callback(s, NULL, NULL, NULL), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_set_material(s, NULL, NULL, 0), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_set_fixed_nodes(s, NULL, 0), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_set_state(s, NULL, 0, NULL, 0), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_step(s, signals, 1, NULL), DQA_ERROR_STATE, "simulator");
+    refused(dqa_simulator_rollout(s, m->controller, 1, NULL, NULL, NULL), DQA_ERROR_STATE, "simulator");
+    return 0;
+}
+
+static void callbacks_do_not_change_the_simulator(void** state) {
+    meddling m = {tiny_simulator(space), NULL, 0};
+    dqa_simulator* other = tiny_simulator(space);
+    const int64_t n = state_length(other);
+    double *q = doubles(n), *expected = doubles(n);
+    (void)state;
+    m.controller = tiny_controller(other);
+    ok(dqa_simulator_set_weights(m.simulator, HALF, N_BASES, meddle, &m));
+    assert_true(m.calls > 0);
+    m.calls = 0;
+    ok(dqa_simulator_rollout(m.simulator, m.controller, 3, NULL, meddle, &m));
+    assert_int_equal(m.calls, 3);
+    ok(dqa_simulator_rollout(other, m.controller, 3, NULL, NULL, NULL));
+    ok(dqa_simulator_get_state(m.simulator, q, n, NULL, 0));
+    ok(dqa_simulator_get_state(other, expected, n, NULL, 0));
+    assert_memory_equal(q, expected, (size_t)n * sizeof *q);
+    /* Failed or not, a call that is over leaves the simulator free. */
+    refused(dqa_simulator_step(m.simulator, NULL, 1, NULL), DQA_ERROR_ARGUMENT, "actuation");
+    ok(dqa_simulator_set_state(m.simulator, NULL, 0, NULL, 0));
+    free(q), free(expected);
+    dqa_controller_free(m.controller);
+    dqa_simulator_free(other);
+    dqa_simulator_free(m.simulator);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null_arguments),           cmocka_unit_test(create_needs_a_built_space),
-        cmocka_unit_test(most_calls_need_a_design), cmocka_unit_test(designs_are_checked_and_kept),
-        cmocka_unit_test(thresholds_are_suggested), cmocka_unit_test(info_is_consistent),
-        cmocka_unit_test(actuation_is_checked),     cmocka_unit_test(state_goes_in_and_out),
-        cmocka_unit_test(sensors_and_forces),       cmocka_unit_test(surface_and_mesh),
+        cmocka_unit_test(null_arguments),
+        cmocka_unit_test(create_needs_a_built_space),
+        cmocka_unit_test(most_calls_need_a_design),
+        cmocka_unit_test(designs_are_checked_and_kept),
+        cmocka_unit_test(thresholds_are_suggested),
+        cmocka_unit_test(info_is_consistent),
+        cmocka_unit_test(actuation_is_checked),
+        cmocka_unit_test(state_goes_in_and_out),
+        cmocka_unit_test(callbacks_do_not_change_the_simulator),
+        cmocka_unit_test(sensors_and_forces),
+        cmocka_unit_test(surface_and_mesh),
     };
     return cmocka_run_group_tests_name("simulator", tests, open_space, close_space);
 }

@@ -464,9 +464,24 @@ class Everything(unittest.TestCase):
                 adjoint.seed(3, dq.Seed.POSITION, bar)
             with self.assertRaises(dq.ArgumentError):
                 adjoint.gradient(99)
+        other = scene.swimmer()
+        with self.assertRaisesRegex(dq.ArgumentError, "another simulator"):
+            other.rollout(dq.Perceptron(n_signals=1, dims=2, hidden=(4,)), 2, tape)
+        self.assertEqual(tape.gradient(TRAVEL, dq.Wrt.CONTROL)[0].shape, (3,))  # what was refused has left no trace
         swimmer.set_weights([1, 0])
         with self.assertRaisesRegex(dq.StateError, "another design"):
             tape.surface(1)
+
+    def test_callbacks_do_not_change_the_simulator(self):
+        swimmer = scene.swimmer()
+
+        def meddle(_done, _total):
+            self.assertEqual(swimmer.info().n_signals, 1)
+            swimmer.set_weights([1, 0])
+
+        with self.assertRaisesRegex(dq.StateError, "callback"):
+            swimmer.rollout(dq.Sinusoid(1), 2, progress=meddle)
+        swimmer.set_weights([1, 0])
 
     def test_controllers(self):
         sine = dq.Sinusoid(2)

@@ -2,6 +2,7 @@
 """One scene: shape space, material, water, solver; its present design and state."""
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -163,19 +164,24 @@ class Simulator(Handle):
         """One step with actuation [n_signals], each in [-1, 1]. On failure the state is that before the call."""
         signals = numbers("actuation", actuation, (None,))
         with self._use() as simulator, _optional(tape, shared=False) as record:
+            recording: contextlib.AbstractContextManager[None] = contextlib.nullcontext()
             if tape is not None:
-                tape._will_record(self._design, self._currents, self._table_rows)
-            check(lib.dqa_simulator_step(simulator, pointer(signals), signals.size, record))
+                recording = tape._recording(self._design, self._currents, self._table_rows)
+            with recording:
+                check(lib.dqa_simulator_step(simulator, pointer(signals), signals.size, record))
 
     def rollout(self, controller: Controller, n_steps: int, tape: Tape | None = None,
                 progress: Progress | None = None) -> None:
         """n_steps steps driven by a controller. On failure or when stopped, the state is that after the last whole one,
         and the tape holds the whole ones."""
         with self._use() as simulator, controller._use() as driver, _optional(tape, shared=False) as record:
+            recording: contextlib.AbstractContextManager[None] = contextlib.nullcontext()
             if tape is not None:
-                tape._will_record(self._design, self._currents + controller._keeps, self._table_rows,
-                                  controller.info().n_parameters)
-            check(lib.dqa_simulator_rollout(simulator, driver, n_steps, record, progress_callback(progress), ffi.NULL))
+                recording = tape._recording(self._design, self._currents + controller._keeps, self._table_rows,
+                                            controller.info().n_parameters)
+            with recording:
+                check(lib.dqa_simulator_rollout(simulator, driver, n_steps, record, progress_callback(progress),
+                                                ffi.NULL))
 
     def state(self, q: Array | None = None, v: Array | None = None) -> tuple[Array, Array]:
         """Positions (m) and velocities (m/s), each [n_nodes][dims]; given arrays are written to."""

@@ -2,7 +2,8 @@
 """The record of a rollout, losses of it, and the backward sweep."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -85,15 +86,22 @@ class Tape(Handle):
         self._n_parameters: int | None = None
         self._table_rows = 1
 
-    def _will_record(self, design: Design | None, callbacks: tuple[Any, ...], table_rows: int,
-                     n_parameters: int | None = None) -> None:
-        # The callbacks of the steps must outlive the tape, even if recording fails half-way.
+    @contextlib.contextmanager
+    def _recording(self, design: Design | None, callbacks: tuple[Any, ...], table_rows: int,
+                   n_parameters: int | None = None) -> Iterator[None]:
+        # The callbacks of the steps must outlive the tape, even if recording fails half-way. A call that was refused has
+        # changed nothing.
         self._keeps += [callback for callback in callbacks if callback not in self._keeps]
-        if self._design is None or self.n_steps == 0:
-            self._design = design
-        self._table_rows = table_rows
-        if n_parameters is not None:
-            self._n_parameters = n_parameters
+        before = self.n_steps
+        try:
+            yield
+        finally:
+            if self.n_steps > before:
+                if before == 0:
+                    self._design = design
+                self._table_rows = table_rows
+                if n_parameters is not None:
+                    self._n_parameters = n_parameters
 
     def clear(self) -> None:
         """Empties the tape for another rollout; StateError while an adjoint of it lives."""
