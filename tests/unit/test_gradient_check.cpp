@@ -113,10 +113,13 @@ void test_water_variants() {
             settings.quantity = quantity;
             settings.n_steps = 2;
             settings.step = 1e-3;
+            // A direction that is not nearly orthogonal to any of the gradients: along such a one the difference drowns
+            // in the rounding of the loss, as these are small.
+            settings.seed = 3;
             const GradientCheckReport r = check_gradient(s, nullptr, {{}}, settings);
             print_message("%s, %s: error %.1e, slope %.3f\n", windward ? "windward" : "both faces",
                           kNames[static_cast<int>(quantity)], r.relative_error, r.taylor_slope);
-            CHECK(r.gradient_norm > 0 && r.relative_error <= 1e-6);
+            CHECK(std::fabs(r.adjoint) > 0.1 * r.gradient_norm && r.relative_error <= 1e-6);
         }
     }
 }
