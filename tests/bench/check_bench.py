@@ -24,7 +24,7 @@ QUADRATURE = "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms
 ADJOINT = ("scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,"
            "gradient_error")
 PARTS = "scene,grid,active_cells,part,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up"
-WORDS = {"scene", "grid", "method", "integrator", "precision", "part"}
+WORDS = {"scene", "grid", "method", "integrator", "precision", "part", "quadrature"}
 
 
 def require(good, *what):
