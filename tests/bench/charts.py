@@ -273,7 +273,7 @@ def quadrature(results, charts):
         panels.append(Panel(f"{SCENES[scene]}, {steps:.0f} steps", "forward and backward step (ms, one core)",
                             "relative error of the state", curves))
     if panels:
-        draw(charts / "quadrature.svg", "Integration points and size of cells, against cells of a quarter of the size",
+        draw(charts / "quadrature.svg", "Against cells of a quarter of the size",
              panels, width=640 * len(panels))
 
 
