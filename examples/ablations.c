@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "support/checkpoint.h"
+#include "support/findings.h"
 #include "support/leg.h"
 #include "support/options.h"
 #include "support/output.h"
@@ -17,6 +18,7 @@
 #include "support/progress.h"
 #include "support/say.h"
 #include "support/scene.h"
+#include "support/shapes.h"
 #include "support/summary.h"
 
 #define PICTURE "ablations.png"
@@ -36,26 +38,13 @@ static const char about[] =
     "exchanged; and from ten random shapes and networks.\n";
 
 static const char* const words[] = {"--iterations", "--steps", "--objective", "--current", NULL};
-static const char* const shapes[] = {"great_white.stl",
-                                     "hammerhead.stl",
-                                     "thresher.stl",
-                                     "whale_shark.stl",
-                                     "goldfish_common.stl",
-                                     "goldfish_comet.stl",
-                                     "goldfish_fantail.stl",
-                                     "goldfish_ryukin.stl",
-                                     "goldfish_oranda.stl",
-                                     "goldfish_ranchu.stl",
-                                     "goldfish_telescope.stl",
-                                     "submarine.stl",
-                                     NULL};
 
 static const options_form form = {.program = "ablations",
                                   .about = about,
                                   .out = "ablations-out",
                                   .mlp = 1,
                                   .words = words,
-                                  .shapes = shapes,
+                                  .shapes = shapes_twelve,
                                   .quick = {{28, 8, 12}, 3, 12, 0, 0.7},
                                   .shipped = {{60, 16, 26}, 20, 100, 0, 0.7},
                                   .user = {{60, 16, 26}, 20, 100, 0, 0.7}};
@@ -138,11 +127,6 @@ static int run_leg(job* w, int k) {
 }
 
 /* ------------------------------------------------------------------ what it shows */
-typedef struct finding {
-    const char *name, *says;
-    double value, at_least;
-} finding;
-
 enum { N_FINDINGS = 3 };
 
 static double gain(const leg* l) {
@@ -165,11 +149,11 @@ static void find(const job* w, finding* found) {
         mean += gain(l) / N_STARTS;
     }
     found[0] = (finding){"scales_differ", "the curves of the scales are apart (share of the largest gain)",
-                         largest > 0.0 ? apart / largest : 0.0, CLEARLY};
+                         largest > 0.0 ? apart / largest : 0.0, CLEARLY, FINDING_AT_LEAST};
     found[1] = (finding){"falls_from_every_start", "the loss falls from every start (least share of its first value)",
-                         least, CLEARLY};
+                         least, CLEARLY, FINDING_AT_LEAST};
     found[2] = (finding){"starts_end_apart", "not all starts end at the same loss (spread, share of the mean gain)",
-                         mean > 0.0 ? (high - low) / mean : 0.0, CLEARLY};
+                         mean > 0.0 ? (high - low) / mean : 0.0, CLEARLY, FINDING_AT_LEAST};
 }
 
 /* ------------------------------------------------------------------ results */
@@ -249,27 +233,16 @@ static double gradient_ratio(const job* w) {
 
 static int write_summary(const job* w) {
     finding found[N_FINDINGS];
-    int shown = 0;
     double cpu_seconds = 0.0;
     output_file file;
     json j;
     find(w, found);
-    for (int k = 0; k < N_FINDINGS; ++k) shown += found[k].value >= found[k].at_least;
     for (int k = 0; k < N_LEGS; ++k) cpu_seconds += w->legs[k].r.cpu_before;
     if (output_open(&file, w->o.out, SUMMARY_FILE) != DONE) return FAILED;
     json_begin(&j, file.stream);
     summary_program(&j, form.program);
-    json_boolean(&j, "all_shown", shown == N_FINDINGS);
-    json_open(&j, "claims", '{');
-    for (int k = 0; k < N_FINDINGS; ++k) {
-        json_open(&j, found[k].name, '{');
-        json_boolean(&j, "shown", found[k].value >= found[k].at_least);
-        json_string(&j, "says", found[k].says);
-        json_number(&j, "value", found[k].value);
-        json_number(&j, "at_least", found[k].at_least);
-        json_close(&j, '}');
-    }
-    json_close(&j, '}');
+    json_boolean(&j, "all_shown", findings_hold(found, N_FINDINGS));
+    findings_write(&j, found, N_FINDINGS);
     json_number(&j, "cpu_seconds", cpu_seconds);
     json_integer(&j, "parameters", w->s.n_weights + w->s.n_control);
     json_number(&j, "gradient_ratio", gradient_ratio(w));
@@ -298,9 +271,7 @@ static int list(const job* w, int drawn) {
     find(w, found);
     for (int k = 0; k < N_LEGS; ++k)
         printf("%-9s loss %9.6f -> %9.6f\n", w->legs[k].name, w->legs[k].r.rows[0].loss, w->legs[k].r.best_loss);
-    for (int k = 0; k < N_FINDINGS; ++k)
-        printf("%s: %s (%.6g, at least %.6g)\n", found[k].value >= found[k].at_least ? "shown    " : "NOT SHOWN",
-               found[k].says, found[k].value, found[k].at_least);
+    findings_print(found, N_FINDINGS);
     printf("Files:\n");
     if (drawn) printf("  %s/%s  (made by %s)\n", w->o.out, PICTURE, SCRIPT);
     printf("  %s/history.csv\n  %s/%s\n", w->o.out, w->o.out, SUMMARY_FILE);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "support/findings.h"
 #include "support/interrupt.h"
 #include "support/options.h"
 #include "support/output.h"
@@ -258,23 +259,18 @@ static int prove(job* w, const double* middle) {
 }
 
 /* ------------------------------------------------------------------ what it shows */
-typedef struct finding {
-    const char *name, *says;
-    double value, below;
-} finding;
-
 enum { N_FINDINGS = 4 };
 
 static void find(const job* w, finding* found) {
     const record* r = w->found;
     found[0] = (finding){"gradient_of_stiffness", "the gradient by the stiffness agrees with a difference (relative)",
-                         w->gradient_error, 0.01};
+                         w->gradient_error, 0.01, FINDING_BELOW};
     found[1] = (finding){"stiffness_pays", "a stiffness that is optimised too swims farther than the given one",
-                         fmin(r[UNIFORM].loss, r[PROFILE].loss), r[GIVEN].loss};
+                         fmin(r[UNIFORM].loss, r[PROFILE].loss), r[GIVEN].loss, FINDING_BELOW};
     found[2] = (finding){"several_starts_pay", "several descents end below one of as many simulations", r[SEVERAL].loss,
-                         r[DESCENT].loss};
+                         r[DESCENT].loss, FINDING_BELOW};
     found[3] = (finding){"cma_es_first_pays", "CMA-ES and then a descent ends below one of as many simulations",
-                         r[CMA_ES].loss, r[DESCENT].loss};
+                         r[CMA_ES].loss, r[DESCENT].loss, FINDING_BELOW};
 }
 
 /* ------------------------------------------------------------------ results */
@@ -341,25 +337,14 @@ static int draw(const job* w, int* drawn) {
 
 static int write_summary(const job* w) {
     finding found[N_FINDINGS];
-    int shown = 0;
     output_file file;
     json j;
     find(w, found);
-    for (int k = 0; k < N_FINDINGS; ++k) shown += found[k].value < found[k].below;
     if (output_open(&file, w->o.out, SUMMARY_FILE) != DONE) return FAILED;
     json_begin(&j, file.stream);
     summary_program(&j, form.program);
-    json_boolean(&j, "all_shown", shown == N_FINDINGS);
-    json_open(&j, "claims", '{');
-    for (int k = 0; k < N_FINDINGS; ++k) {
-        json_open(&j, found[k].name, '{');
-        json_boolean(&j, "shown", found[k].value < found[k].below);
-        json_string(&j, "says", found[k].says);
-        json_number(&j, "value", found[k].value);
-        json_number(&j, "below", found[k].below);
-        json_close(&j, '}');
-    }
-    json_close(&j, '}');
+    json_boolean(&j, "all_shown", findings_hold(found, N_FINDINGS));
+    findings_write(&j, found, N_FINDINGS);
     json_open(&j, "methods", '{');
     for (int m = 0; m < N_METHODS; ++m) {
         const record* r = &w->found[m];
@@ -396,9 +381,7 @@ static int list(const job* w, int drawn) {
         for (int k = 0; k < r->n_s; ++k) printf("%s%.3f", k > 0 ? ", " : "; E/E0 ", exp(r->s[k]));
         printf("\n");
     }
-    for (int k = 0; k < N_FINDINGS; ++k)
-        printf("%s: %s (%.6g, below %.6g)\n", found[k].value < found[k].below ? "shown    " : "NOT SHOWN",
-               found[k].says, found[k].value, found[k].below);
+    findings_print(found, N_FINDINGS);
     printf("Files:\n");
     if (drawn) printf("  %s/%s  (made by %s)\n", w->o.out, PICTURE, SCRIPT);
     printf("  %s/history.csv\n  %s/profile.csv\n  %s/%s\n", w->o.out, w->o.out, w->o.out, SUMMARY_FILE);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "support/findings.h"
 #include "support/options.h"
 #include "support/output.h"
 #include "support/plot.h"
@@ -324,11 +325,6 @@ static int draw(const job* w, int* drawn) {
 }
 
 /* What the experiment has to show. */
-typedef struct finding {
-    const char *name, *says;
-    double value, below;
-} finding;
-
 enum { N_FINDINGS = 2 };
 
 static void find(const job* w, finding* found) {
@@ -339,33 +335,22 @@ static void find(const job* w, finding* found) {
         if (k > BOX + 1) ratio = fmax(ratio, w->domains[k - 1].nodes[w->o.steps] / error);
         faint = fmax(faint, error);
     }
-    found[0] =
-        (finding){"falls_with_threshold", "the error falls with the threshold (largest ratio to the next)", ratio, 1.0};
+    found[0] = (finding){"falls_with_threshold", "the error falls with the threshold (largest ratio to the next)",
+                         ratio, 1.0, FINDING_BELOW};
     found[1] = (finding){"body_alone_is_worse", "faint cells left out do less harm than all exterior cells left out",
-                         faint, w->domains[BODY].nodes[w->o.steps]};
+                         faint, w->domains[BODY].nodes[w->o.steps], FINDING_BELOW};
 }
 
 static int write_summary(const job* w) {
     finding found[N_FINDINGS];
-    int shown = 0;
     output_file file;
     json j;
     find(w, found);
-    for (int k = 0; k < N_FINDINGS; ++k) shown += found[k].value < found[k].below;
     if (output_open(&file, w->o.out, SUMMARY_FILE) != DONE) return FAILED;
     json_begin(&j, file.stream);
     summary_program(&j, form.program);
-    json_boolean(&j, "all_shown", shown == N_FINDINGS);
-    json_open(&j, "claims", '{');
-    for (int k = 0; k < N_FINDINGS; ++k) {
-        json_open(&j, found[k].name, '{');
-        json_boolean(&j, "shown", found[k].value < found[k].below);
-        json_string(&j, "says", found[k].says);
-        json_number(&j, "value", found[k].value);
-        json_number(&j, "below", found[k].below);
-        json_close(&j, '}');
-    }
-    json_close(&j, '}');
+    json_boolean(&j, "all_shown", findings_hold(found, N_FINDINGS));
+    findings_write(&j, found, N_FINDINGS);
     json_open(&j, "domains", '[');
     for (int k = 0; k < N_DOMAINS; ++k) {
         const domain* d = &w->domains[k];
@@ -409,9 +394,7 @@ static int list(const job* w, int drawn) {
                (long long)d->n_cells, 100.0 * d->nodes[w->o.steps], 100.0 * d->centre[w->o.steps],
                100.0 * d->moved[w->o.steps], d->travel, 1e3 * d->seconds, d->linear);
     }
-    for (int k = 0; k < N_FINDINGS; ++k)
-        printf("%s: %s (%.4g, below %.4g)\n", found[k].value < found[k].below ? "shown    " : "NOT SHOWN",
-               found[k].says, found[k].value, found[k].below);
+    findings_print(found, N_FINDINGS);
     printf("Files:\n");
     if (drawn) printf("  %s/%s  (made by %s)\n", w->o.out, PICTURE, SCRIPT);
     printf("  %s/%s\n  %s/%s\n  %s/%s\n", w->o.out, TABLE, w->o.out, CURVES, w->o.out, SUMMARY_FILE);

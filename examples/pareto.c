@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "support/checkpoint.h"
+#include "support/findings.h"
 #include "support/front.h"
 #include "support/gamut.h"
 #include "support/motion.h"
@@ -21,6 +22,7 @@
 #include "support/report.h"
 #include "support/say.h"
 #include "support/scene.h"
+#include "support/shapes.h"
 #include "support/summary.h"
 
 #define PICTURE "pareto.png"
@@ -39,19 +41,6 @@ static const char about[] =
     "weights.\n";
 
 static const char* const words[] = {"--iterations", "--steps", NULL};
-static const char* const shapes[] = {"great_white.stl",
-                                     "hammerhead.stl",
-                                     "thresher.stl",
-                                     "whale_shark.stl",
-                                     "goldfish_common.stl",
-                                     "goldfish_comet.stl",
-                                     "goldfish_fantail.stl",
-                                     "goldfish_ryukin.stl",
-                                     "goldfish_oranda.stl",
-                                     "goldfish_ranchu.stl",
-                                     "goldfish_telescope.stl",
-                                     "submarine.stl",
-                                     NULL};
 
 static const options_form form = {.program = "pareto",
                                   .about = about,
@@ -59,7 +48,7 @@ static const options_form form = {.program = "pareto",
                                   .objective = "travel,efficiency",
                                   .mlp = 1,
                                   .words = words,
-                                  .shapes = shapes,
+                                  .shapes = shapes_twelve,
                                   .quick = {{28, 8, 12}, 4, 16, 0, 0.7},
                                   .shipped = {{60, 16, 26}, 20, 100, 0, 0.7},
                                   .user = {{60, 16, 26}, 20, 100, 0, 0.7}};
@@ -207,17 +196,7 @@ static void find_ends(job* w) {
 }
 
 /* ------------------------------------------------------------------ what it shows */
-typedef struct finding {
-    const char *name, *says;
-    double value, bound;
-    int at_least; /* 1: value >= bound; 0: value > bound */
-} finding;
-
 enum { N_FINDINGS = 3 };
-
-static int holds(const finding* f) {
-    return f->at_least ? f->value >= f->bound : f->value > f->bound;
-}
 
 static void find(const job* w, finding* found) {
     static const char* const names[2] = {"ends_differ_in_speed", "ends_differ_in_efficiency"};
@@ -228,11 +207,12 @@ static void find(const job* w, finding* found) {
         double own[2], other[2];
         gamut_point(&w->methods[SWEEP], w->ends[k], own);
         gamut_point(&w->methods[SWEEP], w->ends[1 - k], other);
-        found[k] = (finding){names[k], says[k], (other[k] - own[k]) / (w->reference[k] - own[k]), CLEARLY, 1};
+        found[k] =
+            (finding){names[k], says[k], (other[k] - own[k]) / (w->reference[k] - own[k]), CLEARLY, FINDING_AT_LEAST};
     }
     found[2] = (finding){"more_volume_per_simulation",
                          "bisecting has more hypervolume than the sweep after as many simulations", w->volume[BISECT],
-                         w->volume_at_par, 0};
+                         w->volume_at_par, FINDING_ABOVE};
 }
 
 /* ------------------------------------------------------------------ picture and report */
@@ -383,28 +363,17 @@ static void write_method(const job* w, int method, json* j) {
 static int write_summary(const job* w) {
     const run* r = &w->methods[SWEEP].legs[0].r;
     finding found[N_FINDINGS];
-    int shown = 0;
     double cpu_seconds = 0.0;
     output_file file;
     json j;
     find(w, found);
-    for (int k = 0; k < N_FINDINGS; ++k) shown += holds(&found[k]);
     for (int method = 0; method < N_METHODS; ++method)
         for (int k = 0; k < w->methods[method].n_legs; ++k) cpu_seconds += w->methods[method].legs[k].r.cpu_before;
     if (output_open(&file, w->o.out, SUMMARY_FILE) != DONE) return FAILED;
     json_begin(&j, file.stream);
     summary_program(&j, form.program);
-    json_boolean(&j, "all_shown", shown == N_FINDINGS);
-    json_open(&j, "claims", '{');
-    for (int k = 0; k < N_FINDINGS; ++k) {
-        json_open(&j, found[k].name, '{');
-        json_boolean(&j, "shown", holds(&found[k]));
-        json_string(&j, "says", found[k].says);
-        json_number(&j, "value", found[k].value);
-        json_number(&j, found[k].at_least ? "at_least" : "above", found[k].bound);
-        json_close(&j, '}');
-    }
-    json_close(&j, '}');
+    json_boolean(&j, "all_shown", findings_hold(found, N_FINDINGS));
+    findings_write(&j, found, N_FINDINGS);
     json_number(&j, "cpu_seconds", cpu_seconds);
     json_integer(&j, "parameters", w->s.n_weights + w->s.n_control);
     json_open(&j, "bases", '[');
@@ -440,9 +409,7 @@ static int list(const job* w, int drawn) {
     for (int method = 0; method < N_METHODS; ++method)
         printf("%-7s %5lld simulations, hypervolume %9.3f\n", w->methods[method].name,
                (long long)gamut_simulations(&w->methods[method]), w->volume[method]);
-    for (int k = 0; k < N_FINDINGS; ++k)
-        printf("%s: %s (%.6g, %s %.6g)\n", holds(&found[k]) ? "shown    " : "NOT SHOWN", found[k].says, found[k].value,
-               found[k].at_least ? "at least" : "above", found[k].bound);
+    findings_print(found, N_FINDINGS);
     printf("Files:\n  %s/%s  (opens in any browser)\n", w->o.out, REPORT_FILE);
     if (drawn) printf("  %s/%s  (made by %s)\n", w->o.out, PICTURE, SCRIPT);
     printf("  %s/%s\n", w->o.out, SUMMARY_FILE);

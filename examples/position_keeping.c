@@ -15,6 +15,7 @@
 #include "support/experiment.h"
 #include "support/plot.h"
 #include "support/say.h"
+#include "support/shapes.h"
 
 #define N_BASES 12
 #define CURRENT_SHARE 0.5 /* of the speed in still water */
@@ -52,26 +53,13 @@ static const char about[] =
     "goldfish_ryukin, goldfish_oranda, goldfish_ranchu, goldfish_telescope, submarine).\n";
 
 static const char* const words[] = {"--iterations", "--steps", "--current", "--only", NULL};
-static const char* const shapes[] = {"great_white.stl",
-                                     "hammerhead.stl",
-                                     "thresher.stl",
-                                     "whale_shark.stl",
-                                     "goldfish_common.stl",
-                                     "goldfish_comet.stl",
-                                     "goldfish_fantail.stl",
-                                     "goldfish_ryukin.stl",
-                                     "goldfish_oranda.stl",
-                                     "goldfish_ranchu.stl",
-                                     "goldfish_telescope.stl",
-                                     "submarine.stl",
-                                     NULL};
 
 /* The place is lost by a beat too strong: networks begin nearly still and learn slowly. */
 static const options_form form = {.program = "position_keeping",
                                   .about = about,
                                   .out = "position_keeping-out",
                                   .words = words,
-                                  .shapes = shapes,
+                                  .shapes = shapes_twelve,
                                   .quick = {{24, 8, 12}, 5, 20, 0, 0.7},
                                   .shipped = {{60, 16, 26}, 40, 200, 0, 0.7},
                                   .user = {{60, 16, 26}, 40, 200, 0, 0.7},

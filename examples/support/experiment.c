@@ -19,13 +19,9 @@
 
 void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound, int at_least) {
     if (e->n_claims < EXPERIMENT_MAX_CLAIMS) {
-        const experiment_claim claim = {name, says, value, bound, at_least};
-        e->claims[e->n_claims++] = claim;
+        const finding added = {name, says, value, bound, at_least ? FINDING_AT_LEAST : FINDING_BELOW};
+        e->claims[e->n_claims++] = added;
     }
-}
-
-int experiment_holds(const experiment_claim* claim) {
-    return claim->at_least ? claim->value >= claim->bound : claim->value < claim->bound;
 }
 
 /* ------------------------------------------------------------------ trials */
@@ -97,11 +93,7 @@ static void list(const experiment* e, int drawn) {
         if (!r->mlp) printf(", a %.3f", r->best_x[r->n_weights]);
         putchar('\n');
     }
-    for (int k = 0; k < e->n_claims; ++k) {
-        const experiment_claim* c = &e->claims[k];
-        printf("%s: %s (%.6g, %s %.6g)\n", experiment_holds(c) ? "shown    " : "NOT SHOWN", c->says, c->value,
-               c->at_least ? "at least" : "below", c->bound);
-    }
+    findings_print(e->claims, e->n_claims);
     printf("Files:\n  %s/%s  (opens in any browser)\n", out, REPORT_FILE);
     if (drawn) printf("  %s/%s  (made by %s)\n", out, e->plan->picture, e->plan->script);
     printf("  %s/%s\n", out, SUMMARY_FILE);

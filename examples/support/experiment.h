@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 
+#include "findings.h"
 #include "motion.h"
 #include "options.h"
 #include "progress.h"
@@ -14,14 +15,6 @@
 
 #define EXPERIMENT_MAX_TRIALS 16
 #define EXPERIMENT_MAX_CLAIMS 16
-
-/* Something that the experiment has to show: that value is at least, or at most, the bound. */
-typedef struct experiment_claim {
-    const char* name; /* key in summary.json */
-    const char* says;
-    double value, bound;
-    int at_least; /* 1: value >= bound; 0: value < bound */
-} experiment_claim;
 
 struct experiment_plan;
 
@@ -36,7 +29,7 @@ typedef struct experiment {
     trial trials[EXPERIMENT_MAX_TRIALS];
     int n_trials; /* that are open */
     int shown;    /* trial whose swimmers are shown */
-    experiment_claim claims[EXPERIMENT_MAX_CLAIMS];
+    finding claims[EXPERIMENT_MAX_CLAIMS];
     int n_claims;
 } experiment;
 
@@ -62,7 +55,6 @@ typedef struct experiment_plan {
 int experiment_main(const experiment_plan* plan, int argc, char** argv);
 
 void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound, int at_least);
-int experiment_holds(const experiment_claim* claim);
 /* Column (from 1) of a number in the tables: that of the weight of base i, and of what stands so many columns after
  * the unknowns. */
 int experiment_column_weight(const experiment* e, int i);

@@ -40,7 +40,6 @@ int experiment_summary(const experiment* e) {
     output_file file;
     json j;
     double seconds = 0.0, cpu_seconds = 0.0;
-    int shown = 0;
     int outcome = say_status(dqa_simulator_get_info(e->s.simulator, &info, sizeof info), "read the simulator");
     if (outcome == DONE) outcome = output_open(&file, e->o.out, SUMMARY_FILE);
     if (outcome != DONE) return outcome;
@@ -48,24 +47,13 @@ int experiment_summary(const experiment* e) {
         seconds += e->trials[k].r.seconds;
         cpu_seconds += e->trials[k].r.cpu_before;
     }
-    for (int k = 0; k < e->n_claims; ++k) shown += experiment_holds(&e->claims[k]);
     json_begin(&j, file.stream);
     summary_program(&j, e->plan->form->program);
     if (e->n_trials < e->plan->n_trials)
         json_string(&j, "all_shown", NULL);
     else
-        json_boolean(&j, "all_shown", shown == e->n_claims);
-    json_open(&j, "claims", '{');
-    for (int k = 0; k < e->n_claims; ++k) {
-        const experiment_claim* c = &e->claims[k];
-        json_open(&j, c->name, '{');
-        json_boolean(&j, "shown", experiment_holds(c));
-        json_string(&j, "says", c->says);
-        json_number(&j, "value", c->value);
-        json_number(&j, c->at_least ? "at_least" : "below", c->bound);
-        json_close(&j, '}');
-    }
-    json_close(&j, '}');
+        json_boolean(&j, "all_shown", findings_hold(e->claims, e->n_claims));
+    findings_write(&j, e->claims, e->n_claims);
     json_number(&j, "seconds", seconds);
     json_number(&j, "cpu_seconds", cpu_seconds);
     json_open(&j, "bases", '[');

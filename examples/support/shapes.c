@@ -13,6 +13,20 @@
 /* Two ways to be an eel, a reef fish and an open-water cruiser: different enough that the optimiser has a choice. */
 static const char* const names[] = {"eel_vertical.stl", "eel_horizontal.stl", "clownfish.stl", "tuna.stl"};
 
+const char* const shapes_twelve[] = {"great_white.stl",
+                                     "hammerhead.stl",
+                                     "thresher.stl",
+                                     "whale_shark.stl",
+                                     "goldfish_common.stl",
+                                     "goldfish_comet.stl",
+                                     "goldfish_fantail.stl",
+                                     "goldfish_ryukin.stl",
+                                     "goldfish_oranda.stl",
+                                     "goldfish_ranchu.stl",
+                                     "goldfish_telescope.stl",
+                                     "submarine.stl",
+                                     NULL};
+
 int32_t shapes_count(void) {
     return (int32_t)(sizeof names / sizeof names[0]);
 }

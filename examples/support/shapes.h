@@ -5,6 +5,9 @@
 
 #include <stdint.h>
 
+/* Names of the twelve of the paper's large dataset: four sharks, seven goldfish, a submarine; NULL ends them. */
+extern const char* const shapes_twelve[];
+
 int32_t shapes_count(void);
 /* Path of a shipped mesh in new memory; NULL (said) when the folder cannot be found. Looks into the environment
  * variable DQA_SHAPES_DIR, then shapes and ../share/diffaqua/shapes, seen from the folder of the executable. */
