@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# Least line coverage, in percent.
+# Least line coverage, in percent. The sample program of the reference (capi/reference) is no part of the library.
 capi_goal=100
 src_goal=90
 
@@ -16,7 +16,7 @@ traces=$build/coverage.json
 find "$build" -name '*.gcda' -delete
 ctest --preset coverage --parallel "$jobs"
 gcovr -j "$jobs" --root . --object-directory "$build" --filter 'capi/' --filter 'src/' \
-    --json "$traces"
+    --exclude 'capi/reference/' --json "$traces"
 status=0
 for part in capi src; do
     case $part in

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT
  * Eels are 15 to 20 times as long as thick, with a dorsal fin that begins behind the head and runs around the tail into
  * the anal fin. These have a body of 1/14 and, with that fin, are 0.11 across their wide axis: 4 cells of 1/36 length,
- * as a box of 40 x 8 x 8 cells allows. Flag-like: the fin stands upright; pancake-like: it lies flat. */
+ * as a box of 40 x 8 x 8 cells allows. Flag-like: the fin stands upright; pancake-like: it lies flat.
+ * The muscle lies in the front of the trunk: what is behind it follows with a lag, as a wave that runs towards the tail,
+ * and pushes the eel ahead. In the rear (at -0.15) it leaves the head to follow, and the eel swims tail first: under a
+ * sine of full amplitude and 2.5 Hz by 0.18 m in 1.7 s, against 0.14 m ahead with this one. */
 #include <string.h>
 
 #include "animals.h"
@@ -41,11 +44,11 @@ const animal eels[2] = {{"eel_vertical",
                          35,
                          2400,
                          1,
-                         {{0, {-0.15, 0, 0}, {0.25, 0.028, 0.054}, {0, 0, 0}}}},
+                         {{0, {0.15, 0, 0}, {0.25, 0.028, 0.054}, {0, 0, 0}}}},
                         {"eel_horizontal",
                          "eel with its fin lying flat",
                          eel_horizontal,
                          35,
                          2400,
                          1,
-                         {{0, {-0.15, 0, 0}, {0.25, 0.054, 0.028}, {0, 0, 0}}}}};
+                         {{0, {0.15, 0, 0}, {0.25, 0.054, 0.028}, {0, 0, 0}}}}};
