@@ -110,6 +110,19 @@ typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
 [[maybe_unused]] inline V select(Mask m, V a, V b) {
     return m ? a : b;
 }
+[[maybe_unused]] inline bool any(Mask m) {
+#if defined(__AVX512F__)
+    return _mm512_test_epi64_mask((__m512i)m, (__m512i)m) != 0;
+#elif defined(__AVX2__)
+    return _mm256_movemask_pd((__m256d)m) != 0;
+#elif defined(__x86_64__)
+    return _mm_movemask_pd((__m128d)m) != 0;
+#else
+    for (int l = 0; l < kLanes; ++l)
+        if (m[l]) return true;
+    return false;
+#endif
+}
 [[maybe_unused]] inline double sum_lanes(V v) {
     double s = v[0];
     for (int l = 1; l < kLanes; ++l) s += v[l];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "shape/gaussian_kernel.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <Eigen/Dense>
-#include <limits>
 
 #if !defined(EIGEN_DONT_PARALLELIZE)
 #error "Eigen would start threads of its own; the number of threads is a setting of each object"
@@ -17,16 +17,19 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 using ConstMap = Eigen::Map<const Matrix>;
 using Map = Eigen::Map<Matrix>;
 
+constexpr int kLogGrain = 8 * kLogLines;  // lines of a thread's task
+
 }  // namespace
 
-GaussianKernel::GaussianKernel(const std::array<int, 3>& cells, double sigma)
-    : cells_(cells), sigma_(sigma), inv_two_sigma2_(0.5 / (sigma * sigma)) {
+GaussianKernel::GaussianKernel(const std::array<int, 3>& cells, double sigma) : cells_(cells), sigma_(sigma) {
+    const double inv_two_sigma2 = 0.5 / (sigma * sigma);
     for (std::size_t a = 0; a < 3; ++a) {
         const int n = cells[a];
         matrix_[a].resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
-                matrix_[a][static_cast<std::size_t>(i * n + j)] = std::exp(-inv_two_sigma2_ * (i - j) * (i - j));
+                matrix_[a][static_cast<std::size_t>(i * n + j)] = std::exp(-inv_two_sigma2 * (i - j) * (i - j));
+        for (int offset = 1 - n; offset < n; ++offset) cost_[a].push_back(inv_two_sigma2 * offset * offset);
         reach_[a] = 0;
         while (reach_[a] + 1 < n && matrix_[a][static_cast<std::size_t>(reach_[a] + 1)] > 0) ++reach_[a];
     }
@@ -63,49 +66,21 @@ void GaussianKernel::apply(const double* in, double* out, double* scratch) const
     Map(out, nx, ny * nz).noalias() = kx * ConstMap(scratch, nx, ny * nz);
 }
 
-void GaussianKernel::apply_log(const double* log_in, double* log_out, double* value) const {
-    const std::size_t total = static_cast<std::size_t>(size());
-    std::vector<double> current(log_in, log_in + total);
-    std::vector<double> line, mean;
+void GaussianKernel::apply_log(const double* log_in, double* log_out, double* value, Threads threads) const {
+    const BarycenterKernels& kernels = barycenter_kernels(InstructionSet::automatic);
     const int stride[3] = {cells_[1] * cells_[2], cells_[2], 1};
-    for (int axis = 2; axis >= 0; --axis) {
-        const int n = cells_[static_cast<std::size_t>(axis)], s = stride[axis];
-        line.resize(static_cast<std::size_t>(n));
-        mean.resize(static_cast<std::size_t>(n));
-        const int lines = static_cast<int>(total) / n;
-        for (int l = 0; l < lines; ++l) {
-            const int first = (l / s) * s * n + l % s;
-            for (int i = 0; i < n; ++i) {
-                double best = -std::numeric_limits<double>::infinity();
-                for (int j = 0; j < n; ++j) {
-                    const double e =
-                        current[static_cast<std::size_t>(first + j * s)] - inv_two_sigma2_ * (i - j) * (i - j);
-                    best = e > best ? e : best;
-                }
-                double sum = 0.0, weighted = 0.0;
-                if (best > -std::numeric_limits<double>::infinity()) {
-                    for (int j = 0; j < n; ++j) {
-                        const double e = current[static_cast<std::size_t>(first + j * s)] -
-                                         inv_two_sigma2_ * (i - j) * (i - j) - best;
-                        if (e < -50.0) continue;  // below 2e-22 of the largest term
-                        const double t = std::exp(e);
-                        sum += t;
-                        if (value) weighted += t * value[first + j * s];
-                    }
-                    line[static_cast<std::size_t>(i)] = best + std::log(sum);
-                    mean[static_cast<std::size_t>(i)] = weighted / sum;
-                } else {
-                    line[static_cast<std::size_t>(i)] = best;
-                    mean[static_cast<std::size_t>(i)] = 0.0;
-                }
-            }
-            for (int i = 0; i < n; ++i) {
-                current[static_cast<std::size_t>(first + i * s)] = line[static_cast<std::size_t>(i)];
-                if (value) value[first + i * s] = mean[static_cast<std::size_t>(i)];
-            }
-        }
+    const double* in = log_in;
+    for (const std::size_t axis : {2u, 1u, 0u}) {
+        const int n = cells_[axis], lines = size() / n;
+        const double* cost = cost_[axis].data() + n - 1;
+        parallel_chunks(threads, lines, kLogGrain, [&](int begin, int end) {
+            std::vector<double> scratch(static_cast<std::size_t>(4 * n * kLogLines));
+            for (int l = begin; l < end; l += kLogLines)
+                kernels.log_lines(cost, n, stride[axis], in, log_out, value, l, std::min(l + kLogLines, end),
+                                  scratch.data());
+        });
+        in = log_out;
     }
-    for (std::size_t c = 0; c < total; ++c) log_out[c] = current[c];
 }
 
 }  // namespace dqa

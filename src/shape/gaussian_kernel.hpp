@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "grid/parallel.hpp"
 #include "shape/kernels.hpp"
 
 namespace dqa {
@@ -27,14 +28,16 @@ public:
 
     // log_out = log(K exp(log_in)); entries of log_in may be -infinity. If `value` is given, it is replaced by
     // (K (exp(log_in) value)) / (K exp(log_in)): the mean of `value` under the kernel-weighted measure.
-    void apply_log(const double* log_in, double* log_out, double* value) const;
+    // log_in and log_out may be the same array. The results do not depend on the threads.
+    void apply_log(const double* log_in, double* log_out, double* value, Threads threads = 1) const;
 
 private:
     std::array<int, 3> cells_;
-    double sigma_, inv_two_sigma2_;
+    double sigma_;
     std::array<std::vector<double>, 3> matrix_;  // [n][n] of each axis, symmetric
     std::array<int, 3> reach_;                   // of each axis: exp underflows to zero beyond
     std::array<std::vector<double>, 2> taps_;    // along x and y: by offset, see GaussianGrid
+    std::array<std::vector<double>, 3> cost_;    // [2 n - 1] of each axis: -log of the kernel, by offset
     std::vector<double> along_z_;                // [nz][padded_z(nz)]
 };
 

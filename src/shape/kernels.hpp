@@ -9,6 +9,7 @@
 namespace dqa {
 
 constexpr int kColumnBlock = 64;  // columns of one pass along x
+constexpr int kLogLines = 16;     // lines of one pass in logarithms
 
 // The Gaussian on a box of [nx][ny][nz] cells. taps[a] + n_a - 1 is the weight at distance 0; offsets beyond the reach,
 // where exp underflows to zero, are skipped, which changes no bit. Three zeros stand beyond either end of taps.
@@ -42,6 +43,11 @@ struct BarycenterKernels {
     // floor).
     void (*backward_columns)(const GaussianGrid& grid, const Cover& cover, const double* a, const double* factor,
                              const double* minus, double floor, double* out, int c0, int c1, double* scratch);
+    // Lines [l0, l1), at most kLogLines of them, along an axis of n cells that are `step` apart, all in logarithms:
+    // out = log(K exp(in)), -infinity where every entry of the line is; cost[k] = k^2 / (2 sigma^2), -n < k < n.
+    // value unless null, in place: its mean under K exp(in), 0 where that is nothing. scratch: 4 n kLogLines.
+    void (*log_lines)(const double* cost, int n, long step, const double* in, double* out, double* value, int l0,
+                      int l1, double* scratch);
     // Within 2 units in the last place. exp: 0 below the least double, infinity above the largest. log: of positive,
     // normal numbers.
     void (*exp)(const double* in, double* out, int n);

@@ -215,6 +215,79 @@ void backward_columns(const GaussianGrid& g, const Cover& cover, const double* a
     }
 }
 
+// Where line l of those with entries `step` apart begins.
+inline long line_start(int l, int n, long step) {
+    return l / step * step * n + l % step;
+}
+
+// kLanes lines in logarithms, entries kLogLines apart. The terms of output i are scaled by their largest, so that no
+// distance underflows, and those below 2e-22 of it do not count. As the cost is convex in the distance, the first and
+// the last entry that count for an output do not fall from one output to the next: what counts in the middle bounds
+// what can count on either side.
+struct LogLines {
+    static constexpr double kNone = -__builtin_inf(), kLeast = -50.0;
+    const double *cost, *from, *values;
+    double *to, *means;
+
+    V term(const double* far, int j) const { return load(from + static_cast<long>(j) * kLogLines) - far[j]; }
+
+    // Outputs [i0, i1), for which entries [j0, j1) may count.
+    void outputs(int i0, int i1, int j0, int j1) const {
+        if (i0 >= i1) return;
+        const int i = (i0 + i1) / 2;
+        const double* far = cost - i;
+        V best = broadcast(kNone);
+        for (int j = j0; j < j1; ++j) {
+            const V e = term(far, j);
+            best = select(e > best, e, best);
+        }
+        const Mask some = best > kNone;
+        const V scale = select(some, best, V{});
+        int first = j0, end = j1;
+        while (first < end && !any(term(far, first) - scale > kLeast)) ++first;
+        while (end > first && !any(term(far, end - 1) - scale > kLeast)) --end;
+        V sum{}, weighted{};
+        for (int j = first; j < end; ++j) {
+            const V e = term(far, j) - scale;
+            const Mask counts = e > kLeast;
+            if (!any(counts)) continue;
+            const V t = select(counts, exponential(e), V{});
+            sum += t;
+            weighted += t * load(values + static_cast<long>(j) * kLogLines);
+        }
+        sum = select(some, sum, broadcast(1.0));
+        store(to + static_cast<long>(i) * kLogLines, select(some, scale + logarithm(sum), best));
+        store(means + static_cast<long>(i) * kLogLines, weighted / sum);
+        outputs(i0, i, j0, end);
+        outputs(i + 1, i1, first, j1);
+    }
+};
+
+void log_lines(const double* cost, int n, long step, const double* in, double* out, double* value, int l0, int l1,
+               double* scratch) {
+    const long size = static_cast<long>(n) * kLogLines;
+    double *from = scratch, *values = from + size, *to = values + size, *means = to + size;
+    const int lines = l1 - l0, width = (lines + kLanes - 1) / kLanes * kLanes;
+    for (int c = 0; c < width; ++c) {
+        const long first = line_start(l0 + least(c, lines - 1), n, step);
+        for (int j = 0; j < n; ++j) {
+            from[j * kLogLines + c] = in[first + j * step];
+            values[j * kLogLines + c] = value ? value[first + j * step] : 0.0;
+        }
+    }
+    for (int c = 0; c < width; c += kLanes) {
+        const LogLines group = {cost, from + c, values + c, to + c, means + c};
+        group.outputs(0, n, 0, n);
+    }
+    for (int c = 0; c < lines; ++c) {
+        const long first = line_start(l0 + c, n, step);
+        for (int j = 0; j < n; ++j) {
+            out[first + j * step] = to[j * kLogLines + c];
+            if (value) value[first + j * step] = means[j * kLogLines + c];
+        }
+    }
+}
+
 // The last, shorter piece goes through the same instructions: results do not depend on where an entry stands.
 template <class F>
 inline void for_all(const double* in, double* out, int n, F&& f) {
@@ -237,7 +310,7 @@ void log_all(const double* in, double* out, int n) {
 }  // namespace
 
 const BarycenterKernels& DQA_KERNEL_TABLE() {
-    static const BarycenterKernels table = {forward_columns, slab, backward_columns, exp_all, log_all};
+    static const BarycenterKernels table = {forward_columns, slab, backward_columns, log_lines, exp_all, log_all};
     return table;
 }
 

@@ -82,18 +82,15 @@ void Transport::run(std::size_t count, Forward&& forward, Slab&& slab, Backward&
 }
 
 void Transport::sweep(const double* x, double* kv, double* w, double* log_d, double floor) const {
-    const int m = static_cast<int>(bases_.size());
     if (logarithmic_) {
-        parallel_chunks(threads_, m, 1, [&](int begin, int end) {
-            for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                const std::size_t at = i * n_;
-                kernel_.apply_log(x + at, kv + at, nullptr);
-                for (std::size_t c = 0; c < n_; ++c)
-                    w[at + c] = bases_[i][c] > 0 ? std::log(bases_[i][c]) - kv[at + c]
-                                                 : -std::numeric_limits<double>::infinity();
-                kernel_.apply_log(w + at, log_d + at, nullptr);
-            }
-        });
+        for (std::size_t i = 0; i < bases_.size(); ++i) {
+            const std::size_t at = i * n_;
+            kernel_.apply_log(x + at, kv + at, nullptr, threads_);
+            for (std::size_t c = 0; c < n_; ++c)
+                w[at + c] =
+                    bases_[i][c] > 0 ? std::log(bases_[i][c]) - kv[at + c] : -std::numeric_limits<double>::infinity();
+            kernel_.apply_log(w + at, log_d + at, nullptr, threads_);
+        }
         return;
     }
     const GaussianGrid grid = kernel_.grid();
@@ -148,17 +145,15 @@ void Jacobian::laplacian(const std::vector<std::size_t>& which, const double* in
     const std::size_t n = t_.n_;
     if (t_.logarithmic_) {
         // Two kernel means: over v, then over w; each keeps its own scale and cannot underflow.
-        parallel_chunks(t_.threads_, static_cast<int>(which.size()), 1, [&](int begin, int end) {
-            std::vector<double> a(n);
-            for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-                const std::size_t i = which[k];
-                double* to = out + k * n;
-                std::copy(in + k * n, in + (k + 1) * n, to);
-                t_.kernel_.apply_log(v_.data() + i * n, a.data(), to);
-                t_.kernel_.apply_log(w_.data() + i * n, a.data(), to);
-                for (std::size_t c = 0; c < n; ++c) to[c] = in[k * n + c] - to[c];
-            }
-        });
+        std::vector<double> a(n);
+        for (std::size_t k = 0; k < which.size(); ++k) {
+            const std::size_t i = which[k];
+            double* to = out + k * n;
+            std::copy(in + k * n, in + (k + 1) * n, to);
+            t_.kernel_.apply_log(v_.data() + i * n, a.data(), to, t_.threads_);
+            t_.kernel_.apply_log(w_.data() + i * n, a.data(), to, t_.threads_);
+            for (std::size_t c = 0; c < n; ++c) to[c] = in[k * n + c] - to[c];
+        }
         return;
     }
     const GaussianGrid grid = t_.kernel_.grid();

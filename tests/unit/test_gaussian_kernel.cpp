@@ -136,6 +136,74 @@ void test_mean_far_away() {
     NEAR(log_out[50], std::log(2.0) - 1250, 1e-12);
 }
 
+// Logarithms that lie hundreds apart from cell to cell, with holes, on more lines than one pass holds: against the sum
+// over all pairs, each scaled by its largest term. By every instruction set, and one thread or three.
+void test_rugged() {
+    constexpr std::array<int, 3> rugged{23, 5, 13};
+    const Box box{rugged, 1.0};
+    Random random(8);
+    const std::size_t n = static_cast<std::size_t>(box.n_cells());
+    const auto value = random.vector(n), holes = random.vector(n, 0.0, 1.0);
+    for (const double width : {0.5, 4.0}) {
+        auto in = random.vector(n, -700.0, 700.0);
+        for (std::size_t c = 0; c < n; ++c)
+            if (holes[c] < 0.4 || c % 13 < 3) in[c] = -inf;
+        const GaussianKernel kernel(rugged, width);
+        std::vector<double> out(n), mean = value, again(n), mean_again = value;
+        kernel.apply_log(in.data(), out.data(), mean.data());
+        kernel.apply_log(in.data(), again.data(), mean_again.data(), 3);
+        for (int a = 0; a < box.n_cells(); ++a) {
+            const std::size_t c = static_cast<std::size_t>(a);
+            double largest = -inf, sum = 0, weighted = 0;
+            for (const bool adding : {false, true})
+                for (int b = 0; b < box.n_cells(); ++b) {
+                    const std::size_t d = static_cast<std::size_t>(b);
+                    const double e = in[d] + log_kernel(box, a, b, width);
+                    if (!adding) largest = std::max(largest, e);
+                    if (adding && e > -inf) sum += std::exp(e - largest), weighted += std::exp(e - largest) * value[d];
+                }
+            NEAR(out[c], largest + std::log(sum), 1e-11);
+            NEAR(mean[c], weighted / sum, 1e-11);
+            CHECK(again[c] == out[c] && mean_again[c] == mean[c]);
+        }
+    }
+}
+
+void test_instruction_sets() {
+    constexpr int n = 29, lines = 11;  // as one box of [n][lines]: a pass that is not full
+    Random random(9);
+    auto in = random.vector(n * lines, -300.0, 300.0);
+    const auto value = random.vector(n * lines);
+    for (std::size_t c = 0; c < in.size(); c += 3) in[c] = -inf;
+    for (std::size_t j = 0; j < n; ++j) in[j * lines + 4] = -inf;  // a line without anything
+    std::vector<double> cost, scratch(4 * n * kLogLines);
+    for (int k = 1 - n; k < n; ++k) cost.push_back(0.5 * k * k);
+    for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+        std::vector<double> out(in.size()), mean = value;
+        barycenter_kernels(set).log_lines(cost.data() + n - 1, n, lines, in.data(), out.data(), mean.data(), 0, lines,
+                                          scratch.data());
+        for (std::size_t l = 0; l < lines; ++l)
+            for (int i = 0; i < n; ++i) {
+                const std::size_t at = static_cast<std::size_t>(i) * lines + l;
+                if (l == 4) {
+                    CHECK(out[at] == -inf && mean[at] == 0);
+                    continue;
+                }
+                double largest = -inf, sum = 0, weighted = 0;
+                for (const bool adding : {false, true})
+                    for (int j = 0; j < n; ++j) {
+                        const std::size_t from = static_cast<std::size_t>(j) * lines + l;
+                        const double e = in[from] - 0.5 * (i - j) * (i - j);
+                        if (!adding) largest = std::max(largest, e);
+                        if (adding && e > -inf)
+                            sum += std::exp(e - largest), weighted += std::exp(e - largest) * value[from];
+                    }
+                NEAR(out[at], largest + std::log(sum), 1e-12);
+                NEAR(mean[at], weighted / sum, 1e-12);
+            }
+    }
+}
+
 }  // namespace
 
 int main() {
@@ -146,6 +214,8 @@ int main() {
         TEST(test_logarithmic_reaches_far),
         TEST(test_mean),
         TEST(test_mean_far_away),
+        TEST(test_rugged),
+        TEST(test_instruction_sets),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
