@@ -11,6 +11,9 @@
 #if defined(DQA_HAVE_CHOLMOD)
 #include <cholmod.h>
 #endif
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
 #if defined(DQA_HAVE_UMFPACK)
 #include <umfpack.h>
 #endif
@@ -62,7 +65,26 @@ void refine(const SymmetricMatrix& a, const std::vector<double>& b, std::vector<
 
 #if defined(DQA_HAVE_CHOLMOD)
 
-// CHOLMOD's context: silent, and freed with the scope.
+// CHOLMOD opens parallel regions of four threads of its own, whatever the number of threads of the calling object, and
+// for loops so short that they take longer than the factorisation. While this lives, the calling thread opens none.
+class NoParallelRegions {
+public:
+#if defined(_OPENMP)
+    NoParallelRegions() : levels_(omp_get_max_active_levels()) {
+        omp_set_max_active_levels(0);
+    }
+    ~NoParallelRegions() {
+        omp_set_max_active_levels(levels_);
+    }
+    NoParallelRegions(const NoParallelRegions&) = delete;
+    NoParallelRegions& operator=(const NoParallelRegions&) = delete;
+
+private:
+    int levels_;
+#endif
+};
+
+// CHOLMOD's context: silent, on the calling thread alone, and freed with the scope.
 class Context {
 public:
     Context() {
@@ -74,6 +96,9 @@ public:
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
     cholmod_common c;
+
+private:
+    NoParallelRegions serial_;
 };
 
 cholmod_sparse view_of(const SymmetricMatrix& a) {

@@ -3,6 +3,7 @@
 // that every build option is held to the same.
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
+#include <filesystem>
 
 #include "linalg/nested_dissection.hpp"
 #include "linalg/packed_factor.hpp"
@@ -250,6 +251,23 @@ void test_pcg_special_cases() {
     CHECK(!r.converged);
 }
 
+// The direct solvers work on the calling thread: who has asked for one thread gets no more.
+void test_no_hidden_threads() {
+    const std::filesystem::path tasks = "/proc/self/task";
+    if (!std::filesystem::exists(tasks)) skip();
+    const auto threads = [&] {
+        return std::distance(std::filesystem::directory_iterator(tasks), std::filesystem::directory_iterator());
+    };
+    const ActiveSet set = full_set({24, 12, 12}, 1.0);
+    const SymmetricMatrix m = laplacian(set, ones(set), 0.01);
+    Vector x(static_cast<std::size_t>(m.n), 1.0);
+    const auto before = threads();
+    CHECK(solve_positive(m, x));
+    CHECK(threads() == before);
+    (void)factorise(m, nested_dissection(set.node_ijk));
+    CHECK(threads() == before);
+}
+
 void test_direct_solvers() {
     Random random{6};
     CHECK(std::strlen(direct_solver_name()) > 0);
@@ -288,6 +306,7 @@ void test_direct_solvers() {
 
 int main() {
     const CMUnitTest tests[] = {
+        TEST(test_no_hidden_threads),  // before others start some
         TEST(test_nested_dissection),      TEST(test_factorise),         TEST(test_packed_solve),
         TEST(test_pcg_with_packed_factor), TEST(test_pcg_special_cases), TEST(test_direct_solvers),
     };
