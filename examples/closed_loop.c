@@ -32,8 +32,7 @@ static const char about[] =
 static const char* const words[] = {"--iterations", "--steps", "--only", NULL};
 static const char* const shapes[] = {"clownfish.stl", "manta_ray.stl", "stingray.stl", NULL};
 
-/* Networks that begin nearly still and learn slowly: loud ones mislead the shape before it can swim, and hasty ones end
- * at the bounds of their signals, where no gradient is left. */
+/* Networks that begin nearly still: loud ones mislead the shape before it can swim. */
 static const options_form form = {.program = "closed_loop",
                                   .about = about,
                                   .out = "closed_loop-out",
@@ -43,7 +42,7 @@ static const options_form form = {.program = "closed_loop",
                                   .shipped = {{60, 54, 14}, 40, 200, 0, 0.7},
                                   .user = {{60, 54, 14}, 40, 200, 0, 0.7},
                                   .mlp = 1,
-                                  .network_rate = 0.003,
+                                  .network_rate = 0.01,
                                   .network_scale = 0.3,
                                   .lists = 1};
 

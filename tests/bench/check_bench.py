@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Runs a benchmark on a small scene and checks its columns and that errors are what each method promises; no timings.
 
-    check_bench.py step|rollout|parts PROGRAM
+    check_bench.py step|rollout|parts|map PROGRAM
     check_bench.py schedule CODESIGN
     check_bench.py charts
 """
@@ -49,6 +49,30 @@ def rows_of(program, header, *options):
         for key in ("active_cells", "forward_ms", "backward_ms", "tolerance", "threads", "peak_mib", "time_us"):
             require(row.get(key, 1) > 0, key, "is", row.get(key), "in", row)
     return rows
+
+
+def stability_map(program):
+    """A map that was interrupted ends as one that was not."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "map.csv"
+
+        def run(*options):
+            done = subprocess.run([program, "--quick", "--only", "start_speed", "--csv", path, *options], text=True,
+                                  capture_output=True, check=False)
+            require(done.returncode == 0, done.stdout, done.stderr)
+            return done.stdout
+
+        run()
+        whole = path.read_text(encoding="utf-8")
+        rows = list(csv.DictReader(whole.splitlines()))
+        require([r["method"] for r in rows] == ["newton_pcg" + v for v in ("", "/volume", "/neo-Hookean", "/bdf2")], rows)
+        require(all(r["outcome"] == "accurate" and float(r["state_error"]) <= 1e-4 for r in rows), whole)
+        # A line that was cut short does not count, and what is kept is not worked on again.
+        lines = whole.splitlines()
+        kept = lines[2].replace(",4,", ",3,")
+        path.write_text("\n".join([lines[0], lines[1], kept, lines[3][:-9]]), encoding="utf-8")
+        require("2 of 4 rows" in run("--resume"), "rows were not kept")
+        require(path.read_text(encoding="utf-8") == whole.replace(lines[2], kept), path.read_text(encoding="utf-8"))
 
 
 def step(program):
@@ -249,4 +273,4 @@ def charts(_=None):
 
 
 if __name__ == "__main__":
-    {"step": step, "rollout": rollout, "parts": parts, "schedule": compared, "charts": charts}[sys.argv[1]](*sys.argv[2:3])
+    {"step": step, "rollout": rollout, "parts": parts, "map": stability_map, "schedule": compared, "charts": charts}[sys.argv[1]](*sys.argv[2:3])

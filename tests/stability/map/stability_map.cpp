@@ -2,14 +2,16 @@
 // Where the library gives the right answer, where it says that it has none, and whether it is ever wrong in silence;
 // beside it a textbook method (`reference`).
 //
-//   stability_map [--csv FILE] [--threads N] [--quick] [--only AXIS] [--method NAME] [--failures] [--slowest]
+//   stability_map [--csv FILE [--resume]] [--threads N] [--quick] [--only AXIS] [--method NAME] [--failures]
+//   [--slowest]
 //
 // Every cell of the map is a rollout of four steps, muscles at full stroke and switching sides, held against an
 // independent solve of the same equations to 1e-12 and the gradient by its adjoint: see trial.hpp; those of the axes
 // sigma and separation are barycentres (barycenter_trial.hpp), and rollout_steps is a long rollout (long_rollout.hpp).
 // inverted_cells counts Gauss points inside out at the end of a step. A reason that ends in `(solvable)` stands for a
 // failure where the oracle did find an equilibrium.
-// --threads: cells that are worked on at the same time, each on one thread. Fails if an answer of the library is wrong
+// --threads: cells that are worked on at the same time, each on one thread. --resume keeps the rows that FILE has and
+// works on the others; `rescued` counts those alone. Fails if an answer of the library is wrong
 // in silence, or if fewer than nine in ten of the cells that the oracle solves are accurate.
 #include <algorithm>
 #include <atomic>
@@ -18,6 +20,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -38,6 +41,7 @@ struct Row {
     std::string axis_x, axis_y, method;
     double value_x = 0.0, value_y = 0.0;
     double work = 0.0;  // guessed, to begin with the longest
+    bool done = false;  // read from the file of an earlier run
     std::function<Result()> run;
     Result result;
     double seconds = 0.0;  // of processor
@@ -51,7 +55,7 @@ struct Row {
 std::vector<Row> rows_of(bool quick) {
     std::vector<Row> rows;
     for (const Trial& t : mechanics(quick)) {
-        Row row{t.axis_x, t.axis_y, t.method(), t.value_x, t.value_y, 0.0, [t] { return run(t); }, {}};
+        Row row{t.axis_x, t.axis_y, t.method(), t.value_x, t.value_y, 0.0, false, [t] { return run(t); }, {}};
         const double cells = t.scene.threshold == 0.0 || t.reference ? 4.0 : 1.0;
         row.work = cells * t.steps * (t.reference ? 10.0 : 1.0) * std::max(0.03, t.scene.time_step);
         rows.push_back(std::move(row));
@@ -63,6 +67,7 @@ std::vector<Row> rows_of(bool quick) {
                         t.sigma,
                         t.separation,
                         0.0,
+                        false,
                         [t] { return run(t); },
                         {}});
     for (const bool bdf2 : {false, true}) {
@@ -75,6 +80,7 @@ std::vector<Row> rows_of(bool quick) {
                         1.0 * t.steps,
                         0.0,
                         1e3,
+                        false,
                         [t] { return run(t); },
                         {}});
     }
@@ -98,19 +104,60 @@ struct Count {
 };
 
 int usage(const char* why) {
-    std::fprintf(stderr,
-                 "stability_map: %s\nusage: stability_map [--csv FILE] [--threads N] [--quick] [--only AXIS] "
-                 "[--method NAME] [--failures] [--slowest]\n",
-                 why);
+    std::fprintf(
+        stderr,
+        "stability_map: %s\nusage: stability_map [--csv FILE [--resume]] [--threads N] [--quick] [--only AXIS] "
+        "[--method NAME] [--failures] [--slowest]\n",
+        why);
     return 2;
+}
+
+std::string key_of(const Row& row) {
+    return dqa::format("%s,%g,%s,%g,%s,", row.axis_x.c_str(), row.value_x, row.axis_y.c_str(), row.value_y,
+                       row.method.c_str());
 }
 
 void print_row(std::FILE* csv, const Row& row) {
     const Result& r = row.result;
-    std::fprintf(csv, "%s,%g,%s,%g,%s,%s,%d,%.3e,%.3e,%.3e,%d,%.4g,%s\n", row.axis_x.c_str(), row.value_x,
-                 row.axis_y.c_str(), row.value_y, row.method.c_str(), name_of(r.outcome), r.steps_done, r.residual,
-                 r.state_error, r.gradient_error, r.inverted, r.max_speed, row.reason().c_str());
+    std::fprintf(csv, "%s%s,%d,%.3e,%.3e,%.3e,%d,%.4g,%s\n", key_of(row).c_str(), name_of(r.outcome), r.steps_done,
+                 r.residual, r.state_error, r.gradient_error, r.inverted, r.max_speed, row.reason().c_str());
     std::fflush(csv);
+}
+
+// What print_row wrote after the key; a line that was cut short is none.
+bool read_result(const std::string& text, Result& r) {
+    char outcome[16] = "";
+    int at = 0;
+    if (std::sscanf(text.c_str(), "%15[a-z],%d,%lf,%lf,%lf,%d,%lf,%n", outcome, &r.steps_done, &r.residual,
+                    &r.state_error, &r.gradient_error, &r.inverted, &r.max_speed, &at) != 7 ||
+        at == 0)
+        return false;
+    for (const Outcome o : {Outcome::accurate, Outcome::reported, Outcome::silent, Outcome::nan})
+        if (!std::strcmp(outcome, name_of(o))) r.outcome = o;
+    r.reason = text.substr(static_cast<std::size_t>(at));
+    const std::string mark = " (solvable)";
+    const bool marked =
+        r.reason.size() >= mark.size() && r.reason.compare(r.reason.size() - mark.size(), mark.size(), mark) == 0;
+    if (marked) r.reason.resize(r.reason.size() - mark.size());
+    r.solvable = marked || r.outcome != Outcome::reported;
+    return true;
+}
+
+void resume(std::vector<Row>& rows, const char* path) {
+    std::ifstream file(path);
+    std::map<std::string, Row*> by_key;
+    for (Row& row : rows) by_key[key_of(row)] = &row;
+    int kept = 0;
+    for (std::string line; std::getline(file, line) && !file.eof();) {
+        std::size_t end = 0;  // of the key: behind its fifth comma
+        for (int k = 0; k < 5 && end != std::string::npos; ++k) end = line.find(',', end + (k > 0));
+        if (end == std::string::npos) continue;
+        const auto found = by_key.find(line.substr(0, end + 1));
+        if (found == by_key.end()) continue;
+        found->second->done = read_result(line.substr(end + 1), found->second->result);
+        kept += found->second->done;
+    }
+    std::printf("%d of %zu rows are in %s\n", kept, rows.size(), path);
 }
 
 void print_failure(const Row& row) {
@@ -141,6 +188,7 @@ void run_all(std::vector<Row>& rows, int threads, std::FILE* csv, bool failures)
     const auto work = [&] {
         for (std::size_t k = next++; k < rows.size(); k = next++) {
             Row& row = rows[order[k]];
+            if (row.done) continue;
             const double begin = processor_seconds();
             const Result result = row.run();
             const double seconds = processor_seconds() - begin;
@@ -159,7 +207,7 @@ void run_all(std::vector<Row>& rows, int threads, std::FILE* csv, bool failures)
 }  // namespace
 
 int main(int argc, char** argv) {
-    bool quick = false, failures = false, slowest = false;
+    bool quick = false, failures = false, slowest = false, resumed = false;
     int threads = 1;
     const char *csv_path = nullptr, *only = nullptr, *method = nullptr;
     for (int k = 1; k < argc; ++k) {
@@ -168,6 +216,8 @@ int main(int argc, char** argv) {
             quick = true;
         } else if (!std::strcmp(argv[k], "--failures")) {
             failures = true;
+        } else if (!std::strcmp(argv[k], "--resume")) {
+            resumed = true;
         } else if (!std::strcmp(argv[k], "--slowest")) {
             slowest = true;
         } else if (value && !std::strcmp(argv[k], "--csv")) {
@@ -186,9 +236,15 @@ int main(int argc, char** argv) {
     std::vector<Row> rows = rows_of(quick);
     std::erase_if(rows, [&](const Row& r) { return (only && r.axis_x != only) || (method && r.method != method); });
     if (rows.empty()) return usage("no cell has this axis and method");
+    if (resumed && !csv_path) return usage("--resume needs --csv");
+    if (resumed) resume(rows, csv_path);
     std::FILE* csv = csv_path ? std::fopen(csv_path, "w") : nullptr;
     if (csv_path && !csv) return usage("cannot write the CSV file");
-    if (csv) std::fputs(kHeader, csv);
+    if (csv) {
+        std::fputs(kHeader, csv);
+        for (const Row& row : rows)
+            if (row.done) print_row(csv, row);
+    }
     const auto begin = std::chrono::steady_clock::now();
     run_all(rows, threads, csv, failures);
     if (csv) {  // once more, in order
