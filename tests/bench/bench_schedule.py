@@ -5,7 +5,7 @@ the machine disturbs less than the wall clock.
 
     bench_schedule.py [options] CODESIGN [option of codesign ...]
       --csv FILE         a row per iteration: start, schedule, iteration, stage, seconds, loss, weights
-      --starts LIST      of shares of the meshes, separated by spaces (equal shares; mostly tuna)
+      --starts LIST      of shares of the meshes, separated by spaces (equal shares; mostly goldfish)
       --schedules LIST   texts of codesign's --schedule, separated by spaces ("none coarse")
       --quick            a coarser grid, fewer steps and one start: a quarter of a minute
 
