@@ -16,7 +16,7 @@ static const double animals[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0
 
 static const trial_plan trials[] = {
     {.name = "ours", .label = "ours", .moves = RUN_BOTH},
-    {.name = "no_encoding", .label = "ours without encoding", .moves = RUN_BOTH, .no_encoding = 1},
+    {.name = "no_encoding", .label = "no encoding", .moves = RUN_BOTH, .no_encoding = 1},
     {.name = "clownfish", .label = "clownfish", .moves = RUN_CONTROL, .weights = animals[0]},
     {.name = "manta_ray", .label = "manta ray", .moves = RUN_CONTROL, .weights = animals[1]},
     {.name = "stingray", .label = "stingray", .moves = RUN_CONTROL, .weights = animals[2]},
