@@ -167,6 +167,18 @@ void print_failure(const Row& row) {
     std::fflush(stdout);
 }
 
+// The rows that are there, in order; the file is replaced as a whole.
+bool save(const std::vector<Row>& rows, const std::string& path) {
+    const std::string part = path + ".part";
+    std::FILE* csv = std::fopen(part.c_str(), "w");
+    if (!csv) return false;
+    std::fputs(kHeader, csv);
+    for (const Row& row : rows)
+        if (row.done) print_row(csv, row);
+    const bool good = !std::ferror(csv);
+    return std::fclose(csv) == 0 && good && std::rename(part.c_str(), path.c_str()) == 0;
+}
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -193,7 +205,7 @@ void run_all(std::vector<Row>& rows, int threads, std::FILE* csv, bool failures)
             const Result result = row.run();
             const double seconds = processor_seconds() - begin;
             const std::lock_guard lock(mutex);
-            row.result = result, row.seconds = seconds;
+            row.result = result, row.seconds = seconds, row.done = true;
             if (failures && result.outcome != Outcome::accurate) print_failure(row);
             if (csv) print_row(csv, row);
         }
@@ -238,21 +250,13 @@ int main(int argc, char** argv) {
     if (rows.empty()) return usage("no cell has this axis and method");
     if (resumed && !csv_path) return usage("--resume needs --csv");
     if (resumed) resume(rows, csv_path);
-    std::FILE* csv = csv_path ? std::fopen(csv_path, "w") : nullptr;
+    if (csv_path && !save(rows, csv_path)) return usage("cannot write the CSV file");
+    std::FILE* csv = csv_path ? std::fopen(csv_path, "a") : nullptr;
     if (csv_path && !csv) return usage("cannot write the CSV file");
-    if (csv) {
-        std::fputs(kHeader, csv);
-        for (const Row& row : rows)
-            if (row.done) print_row(csv, row);
-    }
     const auto begin = std::chrono::steady_clock::now();
     run_all(rows, threads, csv, failures);
-    if (csv) {  // once more, in order
-        csv = std::freopen(csv_path, "w", csv);
-        if (!csv) return usage("cannot write the CSV file");
-        std::fputs(kHeader, csv);
-        for (const Row& row : rows) print_row(csv, row);
-    }
+    // Rows came as they were done; now in order.
+    if (csv && (std::fclose(csv) != 0 || !save(rows, csv_path))) return usage("cannot write the CSV file");
     std::map<std::string, Count> counts;
     Count ours, textbook;
     for (const Row& row : rows) {
@@ -272,7 +276,6 @@ int main(int argc, char** argv) {
     }
     std::printf("%.1f s on %d threads; processor seconds of all cells %.1f\n", seconds_since(begin), threads,
                 std::accumulate(rows.begin(), rows.end(), 0.0, [](double s, const Row& r) { return s + r.seconds; }));
-    if (csv && std::fclose(csv) != 0) return usage("cannot write the CSV file");
     if (ours.silent + ours.nan > 0) std::printf("FAILED: the library is wrong in silence\n");
     if (ours.share() < 90.0)
         std::printf("FAILED: the library solves only %.1f %% of what can be solved\n", ours.share());
