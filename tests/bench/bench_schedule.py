@@ -9,10 +9,10 @@ the machine disturbs less than the wall clock.
       --schedules LIST   texts of codesign's --schedule, separated by spaces ("none coarse")
       --quick            a coarser grid, fewer steps and one start: a quarter of a minute
 
-What follows CODESIGN replaces the task used otherwise: the shares of the four shipped shapes under a fixed sine, whose
-optimum both find within the iterations. `seconds` are CPU seconds of all threads since the start of the program: shapes
-and the proof of the gradient (the same work in both) included, files and picture not. Losses of different stages are not
-comparable; those of the last stage are, between all schedules.
+What follows CODESIGN replaces the task used otherwise: the shares of the four shapes of codesign without meshes under
+a fixed sine. From the second start the iterations end in a local optimum without a schedule. `seconds` are CPU seconds of
+all threads since the start of the program: shapes and the proof of the gradient (the same work in both) included, files
+and picture not. Losses of different stages are not comparable; those of the last stage are, between all schedules.
 """
 import argparse
 import csv

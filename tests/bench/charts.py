@@ -379,7 +379,7 @@ def schedule(results, charts):
             gains.append(f"{times[1]:.1f} s instead of {times[0]:.1f} s")
         panels.append(Panel(f"Start {start} (ring: within 1 % of the least loss without)", "CPU seconds", "loss (m)",
                             curves, log="", extra=["set xrange [0:*]", "set lmargin 12"]))
-    title = "Coarse and loose first" + (": the same optimum after " + " and ".join(gains) if gains else "")
+    title = "Coarse and loose first" + (": as low a loss after " + " and ".join(gains) if gains else "")
     draw(charts / "schedule.svg", title, panels)
 
 
