@@ -2,8 +2,8 @@
 // Where the library gives the right answer, where it says that it has none, and whether it is ever wrong in silence;
 // beside it a textbook method (`reference`).
 //
-//   stability_map [--csv FILE [--resume]] [--threads N] [--quick] [--only AXIS] [--method NAME] [--failures]
-//   [--slowest]
+//   stability_map [--csv FILE [--resume]] [--threads N] [--quick] [--only AXIS] [--method NAME]
+//                 [--failures] [--slowest]
 //
 // Every cell of the map is a rollout of four steps, muscles at full stroke and switching sides, held against an
 // independent solve of the same equations to 1e-12 and the gradient by its adjoint: see trial.hpp; those of the axes
@@ -11,8 +11,8 @@
 // inverted_cells counts Gauss points inside out at the end of a step. A reason that ends in `(solvable)` stands for a
 // failure where the oracle did find an equilibrium.
 // --threads: cells that are worked on at the same time, each on one thread. --resume keeps the rows that FILE has and
-// works on the others; `rescued` counts those alone. Fails if an answer of the library is wrong
-// in silence, or if fewer than nine in ten of the cells that the oracle solves are accurate.
+// works on the others; `rescued` counts those alone. Fails if an answer of the library is wrong in silence, or if fewer
+// than nine in ten of the cells that the oracle solves are accurate.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -28,6 +28,7 @@
 
 #include "../long_rollout.hpp"
 #include "../scenes.hpp"
+#include "grid/file.hpp"
 
 namespace {
 
@@ -37,25 +38,27 @@ constexpr char kHeader[] =
     "axis_x,value_x,axis_y,value_y,method,outcome,steps_done,residual,state_error,gradient_error,inverted_cells,"
     "max_speed,reason\n";
 
+constexpr char kSolvable[] = " (solvable)";
+
 struct Row {
     std::string axis_x, axis_y, method;
     double value_x = 0.0, value_y = 0.0;
     double work = 0.0;  // guessed, to begin with the longest
-    bool done = false;  // read from the file of an earlier run
     std::function<Result()> run;
     Result result;
     double seconds = 0.0;  // of processor
+    bool done = false;     // the result is there, of this run or read from the file of an earlier one
 
     bool of_library() const { return method.rfind("reference", 0) != 0; }
     std::string reason() const {
-        return result.outcome == Outcome::reported && result.solvable ? result.reason + " (solvable)" : result.reason;
+        return result.outcome == Outcome::reported && result.solvable ? result.reason + kSolvable : result.reason;
     }
 };
 
 std::vector<Row> rows_of(bool quick) {
     std::vector<Row> rows;
     for (const Trial& t : mechanics(quick)) {
-        Row row{t.axis_x, t.axis_y, t.method(), t.value_x, t.value_y, 0.0, false, [t] { return run(t); }, {}};
+        Row row{t.axis_x, t.axis_y, t.method(), t.value_x, t.value_y, 0.0, [t] { return run(t); }, {}};
         const double cells = t.scene.threshold == 0.0 || t.reference ? 4.0 : 1.0;
         row.work = cells * t.steps * (t.reference ? 10.0 : 1.0) * std::max(0.03, t.scene.time_step);
         rows.push_back(std::move(row));
@@ -67,7 +70,6 @@ std::vector<Row> rows_of(bool quick) {
                         t.sigma,
                         t.separation,
                         0.0,
-                        false,
                         [t] { return run(t); },
                         {}});
     for (const bool bdf2 : {false, true}) {
@@ -80,7 +82,6 @@ std::vector<Row> rows_of(bool quick) {
                         1.0 * t.steps,
                         0.0,
                         1e3,
-                        false,
                         [t] { return run(t); },
                         {}});
     }
@@ -117,14 +118,15 @@ std::string key_of(const Row& row) {
                        row.method.c_str());
 }
 
-void print_row(std::FILE* csv, const Row& row) {
+std::string line_of(const Row& row) {
     const Result& r = row.result;
-    std::fprintf(csv, "%s%s,%d,%.3e,%.3e,%.3e,%d,%.4g,%s\n", key_of(row).c_str(), name_of(r.outcome), r.steps_done,
-                 r.residual, r.state_error, r.gradient_error, r.inverted, r.max_speed, row.reason().c_str());
-    std::fflush(csv);
+    return key_of(row) +
+           dqa::format("%s,%d,%.3e,%.3e,%.3e,%d,%.4g,", name_of(r.outcome), r.steps_done, r.residual, r.state_error,
+                       r.gradient_error, r.inverted, r.max_speed) +
+           row.reason() + "\n";
 }
 
-// What print_row wrote after the key; a line that was cut short is none.
+// What line_of has after the key; a line that was cut short is none.
 bool read_result(const std::string& text, Result& r) {
     char outcome[16] = "";
     int at = 0;
@@ -135,10 +137,8 @@ bool read_result(const std::string& text, Result& r) {
     for (const Outcome o : {Outcome::accurate, Outcome::reported, Outcome::silent, Outcome::nan})
         if (!std::strcmp(outcome, name_of(o))) r.outcome = o;
     r.reason = text.substr(static_cast<std::size_t>(at));
-    const std::string mark = " (solvable)";
-    const bool marked =
-        r.reason.size() >= mark.size() && r.reason.compare(r.reason.size() - mark.size(), mark.size(), mark) == 0;
-    if (marked) r.reason.resize(r.reason.size() - mark.size());
+    const bool marked = r.reason.ends_with(kSolvable);
+    if (marked) r.reason.resize(r.reason.size() - std::strlen(kSolvable));
     r.solvable = marked || r.outcome != Outcome::reported;
     return true;
 }
@@ -167,16 +167,18 @@ void print_failure(const Row& row) {
     std::fflush(stdout);
 }
 
-// The rows that are there, in order; the file is replaced as a whole.
-bool save(const std::vector<Row>& rows, const std::string& path) {
-    const std::string part = path + ".part";
-    std::FILE* csv = std::fopen(part.c_str(), "w");
-    if (!csv) return false;
-    std::fputs(kHeader, csv);
+// Whether the rows that are there could be written, in order.
+bool save(const std::vector<Row>& rows, const char* path) {
+    std::string text = kHeader;
     for (const Row& row : rows)
-        if (row.done) print_row(csv, row);
-    const bool good = !std::ferror(csv);
-    return std::fclose(csv) == 0 && good && std::rename(part.c_str(), path.c_str()) == 0;
+        if (row.done) text += line_of(row);
+    try {
+        dqa::write_atomically(path, text);
+        return true;
+    } catch (const dqa::Error& e) {
+        std::fprintf(stderr, "stability_map: %s\n", e.what());
+        return false;
+    }
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -191,7 +193,7 @@ double processor_seconds() {
 }
 
 // Longest first, so that none is left over at the end; the file gets every row as it is done.
-void run_all(std::vector<Row>& rows, int threads, std::FILE* csv, bool failures) {
+void run_all(std::vector<Row>& rows, int threads, const char* csv_path, bool failures) {
     std::vector<std::size_t> order(rows.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return rows[a].work > rows[b].work; });
@@ -207,7 +209,7 @@ void run_all(std::vector<Row>& rows, int threads, std::FILE* csv, bool failures)
             const std::lock_guard lock(mutex);
             row.result = result, row.seconds = seconds, row.done = true;
             if (failures && result.outcome != Outcome::accurate) print_failure(row);
-            if (csv) print_row(csv, row);
+            if (csv_path) save(rows, csv_path);
         }
     };
     std::vector<std::thread> helpers;
@@ -250,13 +252,10 @@ int main(int argc, char** argv) {
     if (rows.empty()) return usage("no cell has this axis and method");
     if (resumed && !csv_path) return usage("--resume needs --csv");
     if (resumed) resume(rows, csv_path);
-    if (csv_path && !save(rows, csv_path)) return usage("cannot write the CSV file");
-    std::FILE* csv = csv_path ? std::fopen(csv_path, "a") : nullptr;
-    if (csv_path && !csv) return usage("cannot write the CSV file");
+    if (csv_path && !save(rows, csv_path)) return 2;
     const auto begin = std::chrono::steady_clock::now();
-    run_all(rows, threads, csv, failures);
-    // Rows came as they were done; now in order.
-    if (csv && (std::fclose(csv) != 0 || !save(rows, csv_path))) return usage("cannot write the CSV file");
+    run_all(rows, threads, csv_path, failures);
+    if (csv_path && !save(rows, csv_path)) return 2;  // now none may be missing
     std::map<std::string, Count> counts;
     Count ours, textbook;
     for (const Row& row : rows) {
