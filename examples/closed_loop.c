@@ -49,13 +49,13 @@ static const options_form form = {.program = "closed_loop",
 static void claim(experiment* e) {
     const double ours = e->trials[OURS].r.best_loss;
     experiment_claim_add(e, "below_clownfish", "ours ends below control alone of the clownfish", ours,
-                         e->trials[CLOWNFISH].r.best_loss, 0);
+                         e->trials[CLOWNFISH].r.best_loss, FINDING_BELOW);
     experiment_claim_add(e, "below_manta_ray", "ours ends below control alone of the manta ray", ours,
-                         e->trials[MANTA_RAY].r.best_loss, 0);
+                         e->trials[MANTA_RAY].r.best_loss, FINDING_BELOW);
     experiment_claim_add(e, "below_stingray", "ours ends below control alone of the stingray", ours,
-                         e->trials[STINGRAY].r.best_loss, 0);
+                         e->trials[STINGRAY].r.best_loss, FINDING_BELOW);
     experiment_claim_add(e, "below_no_encoding", "ours ends below the same without temporal encoding", ours,
-                         e->trials[NO_ENCODING].r.best_loss, 0);
+                         e->trials[NO_ENCODING].r.best_loss, FINDING_BELOW);
 }
 
 static void curves(const experiment* e, FILE* f) {

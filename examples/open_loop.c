@@ -42,21 +42,22 @@ static const options_form form = {.program = "open_loop",
 static void claim(experiment* e) {
     const run* ours = &e->trials[OURS].r;
     const trial* cma = &e->trials[CMA_ES];
-    experiment_claim_add(e, "vertical_eel", "the optimised swimmer is a vertical eel", ours->best_x[0], 0.9, 1);
+    experiment_claim_add(e, "vertical_eel", "the optimised swimmer is a vertical eel", ours->best_x[0], 0.9,
+                         FINDING_AT_LEAST);
     experiment_claim_add(e, "stronger_signal", "its signal is stronger than at the start",
-                         ours->best_x[ours->n_weights], 1.2 * e->plan->theta[0], 1);
+                         ours->best_x[ours->n_weights], 1.2 * e->plan->theta[0], FINDING_AT_LEAST);
     experiment_claim_add(e, "below_shape_only", "ours ends below shape-only", ours->best_loss,
-                         e->trials[SHAPE_ONLY].r.best_loss, 0);
+                         e->trials[SHAPE_ONLY].r.best_loss, FINDING_BELOW);
     experiment_claim_add(e, "below_control_only", "ours ends below control-only", ours->best_loss,
-                         e->trials[CONTROL_ONLY].r.best_loss, 0);
+                         e->trials[CONTROL_ONLY].r.best_loss, FINDING_BELOW);
     experiment_claim_add(e, "below_alternate", "ours is below what alternating has after as many simulations",
                          ours->best_loss, trial_best_within(&e->trials[ALTERNATE], trial_simulations(&e->trials[OURS])),
-                         0);
+                         FINDING_BELOW);
     experiment_claim_add(e, "below_cma_es_per_simulation",
                          "ours is below what CMA-ES has after ten times the simulations", ours->best_loss,
-                         trial_best_within(cma, 10 * trial_simulations(&e->trials[OURS])), 0);
+                         trial_best_within(cma, 10 * trial_simulations(&e->trials[OURS])), FINDING_BELOW);
     experiment_claim_add(e, "below_cma_es", "ours is below what CMA-ES reaches in all its generations", ours->best_loss,
-                         cma->r.best_loss, 0);
+                         cma->r.best_loss, FINDING_BELOW);
 }
 
 static void curves(const experiment* e, FILE* f) {

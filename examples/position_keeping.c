@@ -123,7 +123,7 @@ static void claim(experiment* e) {
     double least = HUGE_VAL;
     for (int k = OURS + 1; k < e->n_trials; ++k) least = fmin(least, e->trials[k].r.best_loss);
     experiment_claim_add(e, "below_control_only", "ours ends below control alone of every base",
-                         e->trials[OURS].r.best_loss, least, 0);
+                         e->trials[OURS].r.best_loss, least, FINDING_BELOW);
 }
 
 static void curves(const experiment* e, FILE* f) {

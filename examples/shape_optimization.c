@@ -43,13 +43,14 @@ static const options_form form = {.program = "shape_optimization",
 static void claim(experiment* e) {
     const run *from_orca = &e->trials[FROM_ORCA].r, *from_middle = &e->trials[FROM_MIDDLE].r;
     const double loss_of_orca = from_orca->rows[0].loss;
-    experiment_claim_add(e, "shark_from_orca", "from the orca it becomes the shark", from_orca->best_x[0], 0.9, 1);
+    experiment_claim_add(e, "shark_from_orca", "from the orca it becomes the shark", from_orca->best_x[0], 0.9,
+                         FINDING_AT_LEAST);
     experiment_claim_add(e, "shark_from_middle", "from the middle it becomes the shark", from_middle->best_x[0], 0.9,
-                         1);
+                         FINDING_AT_LEAST);
     experiment_claim_add(e, "lower_from_orca", "from the orca the loss ends below that of the orca",
-                         from_orca->best_loss, loss_of_orca, 0);
+                         from_orca->best_loss, loss_of_orca, FINDING_BELOW);
     experiment_claim_add(e, "lower_from_middle", "from the middle the loss ends below that of the orca",
-                         from_middle->best_loss, loss_of_orca, 0);
+                         from_middle->best_loss, loss_of_orca, FINDING_BELOW);
 }
 
 static void curves(const experiment* e, FILE* f) {

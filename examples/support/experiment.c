@@ -17,9 +17,10 @@
 #define POPULATION 8      /* of CMA-ES with five unknowns: for the progress */
 #define BACKWARD_COST 0.4 /* of a simulation with its sweep back, the share that one without saves */
 
-void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound, int at_least) {
+void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound,
+                          finding_kind kind) {
     if (e->n_claims < EXPERIMENT_MAX_CLAIMS) {
-        const finding added = {name, says, value, bound, at_least ? FINDING_AT_LEAST : FINDING_BELOW};
+        const finding added = {name, says, value, bound, kind};
         e->claims[e->n_claims++] = added;
     }
 }

@@ -54,7 +54,8 @@ typedef struct experiment_plan {
 /* The whole program. Returns its exit code; claims that do not hold are reported, and are no failure. */
 int experiment_main(const experiment_plan* plan, int argc, char** argv);
 
-void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound, int at_least);
+void experiment_claim_add(experiment* e, const char* name, const char* says, double value, double bound,
+                          finding_kind kind);
 /* Column (from 1) of a number in the tables: that of the weight of base i, and of what stands so many columns after
  * the unknowns. */
 int experiment_column_weight(const experiment* e, int i);

@@ -8,7 +8,7 @@
 static const char* const words[] = {"below", "at least", "above"};
 static const char* const keys[] = {"below", "at_least", "above"};
 
-int finding_holds(const finding* c) {
+static int finding_holds(const finding* c) {
     if (c->kind == FINDING_BELOW) return c->value < c->bound;
     return c->kind == FINDING_AT_LEAST ? c->value >= c->bound : c->value > c->bound;
 }

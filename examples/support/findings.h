@@ -8,12 +8,12 @@
 typedef enum finding_kind { FINDING_BELOW, FINDING_AT_LEAST, FINDING_ABOVE } finding_kind;
 
 typedef struct finding {
-    const char *name, *says;
+    const char* name; /* key in summary.json */
+    const char* says;
     double value, bound;
     finding_kind kind;
 } finding;
 
-int finding_holds(const finding* c);
 /* 1 when all n of them hold. */
 int findings_hold(const finding* found, int n);
 /* As a member `claims` of the open object. */
