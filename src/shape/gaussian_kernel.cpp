@@ -29,10 +29,11 @@ GaussianKernel::GaussianKernel(const std::array<int, 3>& cells, double sigma) : 
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
                 matrix_[a][static_cast<std::size_t>(i * n + j)] = std::exp(-inv_two_sigma2 * (i - j) * (i - j));
-        for (int offset = 1 - n; offset < n; ++offset) cost_[a].push_back(inv_two_sigma2 * offset * offset);
         reach_[a] = 0;
         while (reach_[a] + 1 < n && matrix_[a][static_cast<std::size_t>(reach_[a] + 1)] > 0) ++reach_[a];
     }
+    const int longest = *std::max_element(cells.begin(), cells.end());
+    for (int offset = 1 - longest; offset < longest; ++offset) cost_.push_back(inv_two_sigma2 * offset * offset);
     constexpr int kBeyond = 3;  // rows of a tile of the product reach so far past the last offset
     for (std::size_t a = 0; a < 2; ++a) {
         const int n = cells[a];
@@ -69,10 +70,9 @@ void GaussianKernel::apply(const double* in, double* out, double* scratch) const
 void GaussianKernel::apply_log(const double* log_in, double* log_out, double* value, Threads threads) const {
     const BarycenterKernels& kernels = barycenter_kernels(InstructionSet::automatic);
     const int stride[3] = {cells_[1] * cells_[2], cells_[2], 1};
-    const double* in = log_in;
+    const double *in = log_in, *cost = cost_.data() + cost_.size() / 2;
     for (const std::size_t axis : {2u, 1u, 0u}) {
         const int n = cells_[axis], lines = size() / n;
-        const double* cost = cost_[axis].data() + n - 1;
         parallel_chunks(threads, lines, kLogGrain, [&](int begin, int end) {
             std::vector<double> scratch(static_cast<std::size_t>(4 * n * kLogLines));
             for (int l = begin; l < end; l += kLogLines)

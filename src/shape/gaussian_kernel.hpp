@@ -37,7 +37,7 @@ private:
     std::array<std::vector<double>, 3> matrix_;  // [n][n] of each axis, symmetric
     std::array<int, 3> reach_;                   // of each axis: exp underflows to zero beyond
     std::array<std::vector<double>, 2> taps_;    // along x and y: by offset, see GaussianGrid
-    std::array<std::vector<double>, 3> cost_;    // [2 n - 1] of each axis: -log of the kernel, by offset
+    std::vector<double> cost_;                   // [2 n - 1], n of the longest axis: -log of the kernel, by offset
     std::vector<double> along_z_;                // [nz][padded_z(nz)]
 };
 

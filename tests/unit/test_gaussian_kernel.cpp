@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The separable Gaussian kernel against the sum over all pairs of cells, its logarithmic form, and its mean.
 #include <limits>
+#include <utility>
 
 #include "derivative_checks.hpp"
 #include "shape/gaussian_kernel.hpp"
@@ -136,6 +137,22 @@ void test_mean_far_away() {
     NEAR(log_out[50], std::log(2.0) - 1250, 1e-12);
 }
 
+struct LogSum {
+    double log, mean;
+};
+
+// Of n terms exp(first) and the values second, scaled by the largest of them.
+template <class F>
+LogSum log_sum(int n, F&& term) {
+    double largest = -inf, sum = 0, weighted = 0;
+    for (int k = 0; k < n; ++k) largest = std::max(largest, term(k).first);
+    for (int k = 0; k < n; ++k) {
+        const auto [e, value] = term(k);
+        if (e > -inf) sum += std::exp(e - largest), weighted += std::exp(e - largest) * value;
+    }
+    return {largest + std::log(sum), weighted / sum};
+}
+
 // Logarithms that lie hundreds apart from cell to cell, with holes, on more lines than one pass holds: against the sum
 // over all pairs, each scaled by its largest term. By every instruction set, and one thread or three.
 void test_rugged() {
@@ -154,16 +171,12 @@ void test_rugged() {
         kernel.apply_log(in.data(), again.data(), mean_again.data(), 3);
         for (int a = 0; a < box.n_cells(); ++a) {
             const std::size_t c = static_cast<std::size_t>(a);
-            double largest = -inf, sum = 0, weighted = 0;
-            for (const bool adding : {false, true})
-                for (int b = 0; b < box.n_cells(); ++b) {
-                    const std::size_t d = static_cast<std::size_t>(b);
-                    const double e = in[d] + log_kernel(box, a, b, width);
-                    if (!adding) largest = std::max(largest, e);
-                    if (adding && e > -inf) sum += std::exp(e - largest), weighted += std::exp(e - largest) * value[d];
-                }
-            NEAR(out[c], largest + std::log(sum), 1e-11);
-            NEAR(mean[c], weighted / sum, 1e-11);
+            const LogSum exact = log_sum(box.n_cells(), [&](int b) {
+                const std::size_t d = static_cast<std::size_t>(b);
+                return std::pair(in[d] + log_kernel(box, a, b, width), value[d]);
+            });
+            NEAR(out[c], exact.log, 1e-11);
+            NEAR(mean[c], exact.mean, 1e-11);
             CHECK(again[c] == out[c] && mean_again[c] == mean[c]);
         }
     }
@@ -189,17 +202,12 @@ void test_instruction_sets() {
                     CHECK(out[at] == -inf && mean[at] == 0);
                     continue;
                 }
-                double largest = -inf, sum = 0, weighted = 0;
-                for (const bool adding : {false, true})
-                    for (int j = 0; j < n; ++j) {
-                        const std::size_t from = static_cast<std::size_t>(j) * lines + l;
-                        const double e = in[from] - 0.5 * (i - j) * (i - j);
-                        if (!adding) largest = std::max(largest, e);
-                        if (adding && e > -inf)
-                            sum += std::exp(e - largest), weighted += std::exp(e - largest) * value[from];
-                    }
-                NEAR(out[at], largest + std::log(sum), 1e-12);
-                NEAR(mean[at], weighted / sum, 1e-12);
+                const LogSum exact = log_sum(n, [&](int j) {
+                    const std::size_t from = static_cast<std::size_t>(j) * lines + l;
+                    return std::pair(in[from] - 0.5 * (i - j) * (i - j), value[from]);
+                });
+                NEAR(out[at], exact.log, 1e-12);
+                NEAR(mean[at], exact.mean, 1e-12);
             }
     }
 }
