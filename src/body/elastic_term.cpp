@@ -36,7 +36,7 @@ ElasticTerm::ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSe
       volume_(set.box.dx * set.box.dx * set.box.dx / kernels_.points),
       mu_(mu),
       lambda_(lambda),
-      cells_(set, all_cells(set)) {
+      cells_(set, all_cells(set), kBodyGrain) {
     std::vector<double> weight(mu.size()), shift;
     for (std::size_t c = 0; c < mu.size(); ++c) switch (kind_) {
             case ElasticKind::corotated:
@@ -64,20 +64,22 @@ const char* ElasticTerm::name() const {
 
 double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads, double* out) const {
     const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
-    ws.force.resize(blocks * kCellForce), ws.energy.resize(blocks);
+    ws.force.resize(cells_.sums().size()), ws.energy.resize(blocks);
     ws.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
     std::vector<int> inverted(blocks / kBodyGrain + 1, 0);
     parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.gradient(q, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end, ws.force.data(),
-                          ws.energy.data(), ws.cache.data(), &inverted[static_cast<std::size_t>(begin / kBodyGrain)]);
+        const int chunk = begin / kBodyGrain;
+        kernels_.gradient(q, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end,
+                          forces_of(cells_.sums(), chunk, ws.force), ws.energy.data(), ws.cache.data(),
+                          &inverted[static_cast<std::size_t>(chunk)]);
     });
     ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
-    cells_.gather().add(ws.force.data(), 1.0, out, threads);
+    cells_.sums().gather().add(ws.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
 int ElasticTerm::n_chunks() const {
-    return (cells_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
+    return cells_.sums().n_chunks();
 }
 
 int ElasticTerm::chunk_node(int k) const {
@@ -86,11 +88,12 @@ int ElasticTerm::chunk_node(int k) const {
 
 void ElasticTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, cells_.n_blocks());
-    kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(), ws.force.data());
+    kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(),
+                     forces_of(cells_.sums(), k, ws.force));
 }
 
 void ElasticTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
-    cells_.gather().add(ws.force.data(), 1.0, begin, end, out);
+    cells_.sums().gather().add(ws.force.data(), 1.0, begin, end, out);
 }
 
 void ElasticTerm::filter(TermWorkspace& ws) const {

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "body/kernels.hpp"
 #include "grid/active_set.hpp"
 #include "grid/parallel.hpp"
 
@@ -17,6 +18,11 @@ struct TermWorkspace {
     std::vector<double> force, energy, cache, rest;
     int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
 };
+
+// Chunk k of a term's forces, set to zero for a kernel to add to.
+inline ChunkForces forces_of(const ChunkedGather& sums, int k, std::vector<double>& force) {
+    return {sums.slots(), sums.cleared(k, force)};
+}
 
 // Cotangents of the body's parameters; every pointer may be added to.
 struct BodyBar {

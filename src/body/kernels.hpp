@@ -2,8 +2,8 @@
 // Kernels of the body's energies over blocks of 8 cells (structure of arrays), one table per instruction set.
 //
 // A cell is a Q1 hexahedron with corners 4 ix + 2 iy + iz and 2 x 2 x 2 Gauss points in the same order. `nodes` holds
-// 3 * (node index) as [block][8 corners][8 lanes]; forces come out as [block][8 corners][8 lanes][4] and are summed
-// onto nodes by NodeGather. Padding lanes repeat a real cell with weight 0.
+// 3 * (node index) as [block][8 corners][8 lanes]; forces are added up on the nodes of a chunk, and those of all chunks
+// by ChunkedGather. Padding lanes repeat a real cell with weight 0.
 //
 // Elastic energies, weight = modulus * V / points, summed over 8 Gauss points or taken at the cell's centre (selective
 // reduced integration, which keeps nearly incompressible cells from locking, e.g. Hughes 1987, sec. 4.5):
@@ -12,15 +12,22 @@
 //   - stable neo-Hookean (Smith et al. 2018): weight/2 (I - 3 - log((I + 1)/4)), I = |F|^2, weight = mu V/8;
 //   - its volume term: weight/2 (J - alpha)^2 at the centre, weight = lambda V, `shift` = alpha.
 // `slab` is added to F_zz: 1 in two dimensions, where the nodes do not span z, else 0.
-// Muscle energy (Min et al. 2019): weight/2 (|F m| - r)^2 per Gauss point. Cache: F m / |F m| (3), c1, c2.
+// Muscle energy (Min et al. 2019): weight/2 (|F m| - r)^2 per Gauss point. Cache: see muscle_kernels.hpp.
 #pragma once
+
+#include <cstdint>
 
 #include "grid/simd.hpp"
 
 namespace dqa {
 
-constexpr int kMuscleCache = 8 * 5 * 8;
-constexpr int kCellForce = 8 * 8 * 4;
+constexpr int kMuscleCache = 8 * 3 * 8;
+
+// Where the blocks of a chunk leave their forces.
+struct ChunkForces {
+    const std::uint16_t* slots;  // [block][8 corners][8 lanes]: places in `sum`
+    double* sum;                 // [nodes of the chunk][4], added to
+};
 
 enum class ElasticKind : int { corotated = 0, corotated_volume = 1, neo_hookean = 2, neo_hookean_volume = 3 };
 
@@ -34,10 +41,11 @@ struct ElasticKernels {
     // Energy (per block), forces dE/dq, and the linearisation (NULL: not wanted); inverted counts Gauss points with
     // det F <= 0. shift [block][8]: NULL where the energy has none.
     void (*gradient)(const double* q, const int* nodes, const double* weight, const double* shift, double inv_dx,
-                     double slab, int begin, int end, double* force, double* energy, double* cache, int* inverted);
+                     double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache,
+                     int* inverted);
     // Hessian-vector product from the cache.
     void (*product)(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                    const double* cache, double* force);
+                    const double* cache, const ChunkForces& force);
     // d(lambda . dE/dq)/d(weight) and /d(shift) per cell, [block][8]; cache as of q.
     void (*bar)(const double* q, const double* lambda, const int* nodes, const double* weight, const double* shift,
                 double inv_dx, double slab, int begin, int end, const double* cache, double* weight_bar,
@@ -50,10 +58,11 @@ struct BodyKernels {
     ElasticKernels elastic[2][4];  // by Quadrature and ElasticKind
     // The same for muscles; direction [block][3][8], rest ratio [block][8].
     void (*muscle_gradient)(const double* q, const int* nodes, const double* direction, const double* weight,
-                            const double* rest, double inv_dx, int begin, int end, double* force, double* energy,
-                            double* cache);
-    void (*muscle_product)(const double* p, const int* nodes, const double* direction, double inv_dx, int begin,
-                           int end, const double* cache, double* force);
+                            const double* rest, double inv_dx, int begin, int end, const ChunkForces& force,
+                            double* energy, double* cache);
+    void (*muscle_product)(const double* p, const int* nodes, const double* direction, const double* weight,
+                           const double* rest, double inv_dx, int begin, int end, const double* cache,
+                           const ChunkForces& force);
     // d(lambda . dE/dq)/d(weight) and /d(rest) per entry, [block][8].
     void (*muscle_bar)(const double* q, const double* lambda, const int* nodes, const double* direction,
                        const double* weight, const double* rest, double inv_dx, int begin, int end, double* weight_bar,

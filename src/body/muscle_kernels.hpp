@@ -17,15 +17,20 @@ inline void add_outer(Gradient& p, int gx, int gy, int gz, const V m[3], const V
     p.z[gx][gy] = p.z[gx][gy] + m[2] * t;
 }
 
+// With l = |F m|, t = F m / l and the rest ratio r, the Hessian of a point is w ((1 - r/l) I + r/l t t^T). The cache
+// holds u = sqrt(w |r| / l) t alone, from which it is (w -+ u.u) I +- u u^T with the sign of r: less to read than it
+// saves to compute.
+
 // |F m|, kept away from zero: a fibre crushed to a point has no direction.
 inline V length_of(const V3& t) {
     return square_root(dot(t, t) + 1e-24);
 }
 
 void muscle_gradient(const double* q, const int* nodes, const double* direction, const double* weight,
-                     const double* rest, double inv_dx, int begin, int end, double* force, double* energy,
+                     const double* rest, double inv_dx, int begin, int end, const ChunkForces& force, double* energy,
                      double* cache) {
     for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
@@ -44,40 +49,46 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
                 const V c1 = w * stretch / length;  // = w (1 - r / l)
                 add_outer(p, gx, gy, gz, m, c1 * t);
                 if (!cache) continue;
-                double* out = cache + (static_cast<long>(block) * 8 + g) * 5 * kBlock + lane;
-                const V inv = 1.0 / length;
-                store(out, inv * t.x);
-                store(out + kBlock, inv * t.y);
-                store(out + 2 * kBlock, inv * t.z);
-                store(out + 3 * kBlock, c1);
-                store(out + 4 * kBlock, w * ratio * inv);
+                double* out = cache + (static_cast<long>(block) * 8 + g) * 3 * kBlock + lane;
+                const V inv = 1.0 / length, along_fibre = w * ratio * inv;
+                const V scale = inv * square_root(select(along_fibre < 0.0, -along_fibre, along_fibre));
+                // One crushed to a point has no direction, but u keeps its size, from which w - u.u comes.
+                const Mask crushed = dot(t, t) < 1e-22;
+                store(out, scale * select(crushed, length, t.x));
+                store(out + kBlock, scale * select(crushed, V{}, t.y));
+                store(out + 2 * kBlock, scale * select(crushed, V{}, t.z));
             }
-            scatter(p, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            scatter(p, inv_dx, lane, corners);
             block_energy += sum_lanes(0.5 * w * e);
         }
+        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
 }
 
-void muscle_product(const double* p, const int* nodes, const double* direction, double inv_dx, int begin, int end,
-                    const double* cache, double* force) {
+void muscle_product(const double* p, const int* nodes, const double* direction, const double* weight,
+                    const double* rest, double inv_dx, int begin, int end, const double* cache,
+                    const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const double* dir = direction + block * 3 * kBlock + lane;
             const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
+            const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
+            const V sign = select(ratio < 0.0, V{} - 1.0, V{} + 1.0);
             const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
             Gradient s;
             clear(s);
             for (int g = 0; g < 8; ++g) {
                 const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
-                const double* in = cache + (static_cast<long>(block) * 8 + g) * 5 * kBlock + lane;
-                const V3 t = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
-                const V c1 = load(in + 3 * kBlock), c2 = load(in + 4 * kBlock);
+                const double* in = cache + (static_cast<long>(block) * 8 + g) * 3 * kBlock + lane;
+                const V3 u = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
                 const V3 d = along(f, gx, gy, gz, m);
-                add_outer(s, gx, gy, gz, m, c1 * d + (c2 * dot(t, d)) * t);
+                add_outer(s, gx, gy, gz, m, (w - sign * dot(u, u)) * d + (sign * dot(u, d)) * u);
             }
-            scatter(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            scatter(s, inv_dx, lane, corners);
         }
+        add_to_chunk(corners, block, force);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "body/muscle_term.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace dqa {
@@ -22,7 +23,7 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
       contraction_(contraction),
       kernels_(body_kernels(instructions)),
       muscles_(muscles),
-      entries_(set, cells_of(muscles)) {
+      entries_(set, cells_of(muscles), kBodyGrain) {
     std::vector<double> weight;
     for (const MuscleEntry& m : muscles_) weight.push_back(m.weight * gauss_volume_);
     weight_ = entries_.blocked(weight);
@@ -36,7 +37,7 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
 double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
                             double* out) const {
     const std::size_t blocks = static_cast<std::size_t>(entries_.n_blocks());
-    ws.force.resize(blocks * kCellForce), ws.energy.resize(blocks);
+    ws.force.resize(entries_.sums().size()), ws.energy.resize(blocks);
     ws.cache.resize(blocks * kMuscleCache), ws.rest.resize(blocks * 8);
     for (std::size_t e = 0; e < blocks * 8; ++e) {
         const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
@@ -44,14 +45,15 @@ double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* si
     }
     parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
         kernels_.muscle_gradient(q, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin,
-                                 end, ws.force.data(), ws.energy.data(), ws.cache.data());
+                                 end, forces_of(entries_.sums(), begin / kBodyGrain, ws.force), ws.energy.data(),
+                                 ws.cache.data());
     });
-    entries_.gather().add(ws.force.data(), 1.0, out, threads);
+    entries_.sums().gather().add(ws.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
 int MuscleTerm::n_chunks() const {
-    return (entries_.n_blocks() + kBodyGrain - 1) / kBodyGrain;
+    return entries_.sums().n_chunks();
 }
 
 int MuscleTerm::chunk_node(int k) const {
@@ -60,21 +62,24 @@ int MuscleTerm::chunk_node(int k) const {
 
 void MuscleTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, entries_.n_blocks());
-    kernels_.muscle_product(p, entries_.nodes(), direction_.data(), inv_dx_, begin, end, ws.cache.data(),
-                            ws.force.data());
+    kernels_.muscle_product(p, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin, end,
+                            ws.cache.data(), forces_of(entries_.sums(), k, ws.force));
 }
 
 void MuscleTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
-    entries_.gather().add(ws.force.data(), 1.0, begin, end, out);
+    entries_.sums().gather().add(ws.force.data(), 1.0, begin, end, out);
 }
 
-// Drops compressive transverse stiffness and keeps w along the fibre.
+// Drops compressive transverse stiffness, w - u.u < 0, and keeps w along the fibre.
 void MuscleTerm::filter(TermWorkspace& ws) const {
-    for (std::size_t at = 0; at < ws.cache.size(); at += 5 * 8)
+    for (std::size_t at = 0; at < ws.cache.size(); at += 3 * 8)
         for (std::size_t l = 0; l < 8; ++l) {
-            double& c1 = ws.cache[at + 3 * 8 + l];
-            double& c2 = ws.cache[at + 4 * 8 + l];
-            if (c1 < 0) c2 += c1, c1 = 0.0;
+            const std::size_t entry = at / kMuscleCache * 8 + l;
+            double* u = &ws.cache[at + l];
+            const double square = u[0] * u[0] + u[8] * u[8] + u[16] * u[16];
+            if (ws.rest[entry] < 0.0 || square <= weight_[entry]) continue;
+            const double scale = std::sqrt(weight_[entry] / square);
+            for (std::size_t k = 0; k < 3; ++k) u[8 * k] *= scale;
         }
 }
 

@@ -43,7 +43,7 @@ inline Cell cell_of(const double* q, const int* nodes, double inv_dx, double sla
 }
 
 // Its transpose.
-inline void spread(const Cell& cell, double inv_dx, double* force) {
+inline void spread(const Cell& cell, double inv_dx, int lane, CornerForces& out) {
     const V zero = V{};
     const double affine = 0.25 * inv_dx, hourglass = 0.125 * inv_dx;
     V3 c[8] = {{zero, zero, zero}, affine * cell.f[2],    affine * cell.f[1],    hourglass * cell.h[0],
@@ -54,7 +54,7 @@ inline void spread(const Cell& cell, double inv_dx, double* force) {
                 const V3 sum = c[k], difference = c[k | bit];
                 c[k] = sum - difference, c[k | bit] = sum + difference;
             }
-    for (int k = 0; k < 8; ++k) store_three(force + k * 4 * kBlock, c[k].x, c[k].y, c[k].z);
+    for (int k = 0; k < 8; ++k) store_three(out.value + (k * kBlock + lane) * 4, c[k].x, c[k].y, c[k].z);
 }
 
 // Hourglass forces of a cell for the stiffness w.
@@ -68,10 +68,11 @@ inline V hourglass_dot(const Cell& a, const Cell& b) {
 }
 
 void reduced_corotated_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx,
-                                double slab, int begin, int end, double* force, double* energy, double* cache,
-                                int* inverted) {
+                                double slab, int begin, int end, const ChunkForces& force, double* energy,
+                                double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -87,17 +88,19 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
             resist(w, cell, s);
             if (cache)
                 store_twist(cache + static_cast<long>(block) * kCorotatedPoint * kBlock + lane, r, twist_of(cell.f, r));
-            spread(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            spread(s, inv_dx, lane, corners);
             block_energy += sum_lanes(0.5 * w * e);
         }
+        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
 }
 
 void reduced_corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin,
-                               int end, const double* cache, double* force) {
-    for (int block = begin; block < end; ++block)
+                               int end, const double* cache, const ChunkForces& force) {
+    for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell cell = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -107,8 +110,10 @@ void reduced_corotated_product(const double* p, const int* nodes, const double* 
             Cell s;
             for (int k = 0; k < 3; ++k) s.f[k] = w * (cell.f[k] - d[k]);
             resist(w, cell, s);
-            spread(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            spread(s, inv_dx, lane, corners);
         }
+        add_to_chunk(corners, block, force);
+    }
 }
 
 void reduced_corotated_bar(const double* q, const double* lambda, const int* nodes, const double*, const double*,
@@ -134,10 +139,11 @@ void reduced_corotated_filter(double* cache, int blocks) {
 constexpr double kNeoHourglass = 1.5;
 
 void reduced_neo_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx,
-                          double slab, int begin, int end, double* force, double* energy, double* cache,
+                          double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache,
                           int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -156,17 +162,19 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
                 store(out + 9 * kBlock, a);
                 store(out + 10 * kBlock, 2.0 * inv * inv);
             }
-            spread(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            spread(s, inv_dx, lane, corners);
             block_energy += sum_lanes(0.5 * w * e);
         }
+        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
 }
 
 void reduced_neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                         const double* cache, double* force) {
-    for (int block = begin; block < end; ++block)
+                         const double* cache, const ChunkForces& force) {
+    for (int block = begin; block < end; ++block) {
+        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell d = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -178,8 +186,10 @@ void reduced_neo_product(const double* p, const int* nodes, const double* weight
             Cell s;
             for (int k = 0; k < 3; ++k) s.f[k] = a * d.f[k] + b * f[k];
             resist(kNeoHourglass * w, d, s);
-            spread(s, inv_dx, force + static_cast<long>(block) * kCellForce + 4 * lane);
+            spread(s, inv_dx, lane, corners);
         }
+        add_to_chunk(corners, block, force);
+    }
 }
 
 void reduced_neo_bar(const double* q, const double* lambda, const int* nodes, const double*, const double*,

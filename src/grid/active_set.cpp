@@ -60,10 +60,9 @@ std::vector<double> ActiveSet::rest_positions() const {
     return q;
 }
 
-BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_cells)
+BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_cells, int grain)
     : n_elements_(static_cast<int>(element_cells.size())),
       n_blocks_((n_elements_ + kBlockLanes - 1) / kBlockLanes),
-      n_nodes_(set.n_nodes()),
       nodes_(static_cast<std::size_t>(n_blocks_) * 64, 0) {
     for (int e = 0; e < n_blocks_ * kBlockLanes; ++e) {
         const int cell = element_cells[static_cast<std::size_t>(std::min(e, n_elements_ - 1))];
@@ -71,13 +70,7 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
             nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] =
                 3 * set.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(k)];
     }
-    std::vector<int> node, place;
-    for (int e = 0; e < n_elements_; ++e)
-        for (int k = 0; k < 8; ++k) {
-            node.push_back(nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] / 3);
-            place.push_back(4 * (((e / 8) * 8 + k) * 8 + e % 8));
-        }
-    gather_ = NodeGather(n_nodes_, node, place);
+    sums_ = ChunkedGather(set.n_nodes(), nodes_, 8, n_elements_, grain);
 }
 
 std::vector<double> BlockLayout::blocked(const std::vector<double>& values) const {

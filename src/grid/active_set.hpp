@@ -33,23 +33,22 @@ ActiveSet make_active_set(const Box& box, const std::vector<char>& mask);
 // forces onto nodes.
 class BlockLayout {
 public:
-    // element_cells: active cell of each element.
-    BlockLayout(const ActiveSet& set, const std::vector<int>& element_cells);
+    // element_cells: active cell of each element; a chunk is `grain` blocks.
+    BlockLayout(const ActiveSet& set, const std::vector<int>& element_cells, int grain);
 
     int n_elements() const { return n_elements_; }
     int n_blocks() const { return n_blocks_; }
-    int n_nodes() const { return n_nodes_; }
     // 3 * node as [block][8 corners][8 lanes]; padding lanes repeat the last element.
     const int* nodes() const { return nodes_.data(); }
-    // Sums element forces, laid out [block][8 corners][8 lanes][4], onto nodes.
-    const NodeGather& gather() const { return gather_; }
+    // Sums what the elements give to their corners onto nodes, by way of the chunks.
+    const ChunkedGather& sums() const { return sums_; }
     // values [n_elements] -> [block][8], padding lanes 0.
     std::vector<double> blocked(const std::vector<double>& values) const;
 
 private:
-    int n_elements_, n_blocks_, n_nodes_;
+    int n_elements_, n_blocks_;
     std::vector<int> nodes_;
-    NodeGather gather_;
+    ChunkedGather sums_;
 };
 
 }  // namespace dqa

@@ -3,6 +3,8 @@
 // elements, so that the bits are the same for any number of threads.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "grid/parallel.hpp"
@@ -43,6 +45,37 @@ public:
 
 private:
     std::vector<int> start_, place_;  // compressed rows: entries of each node
+};
+
+// The same in two stages for elements of eight corners in blocks of eight: a kernel adds up what the elements of a
+// chunk give to the nodes of that chunk, which stay in cache, and the nodes gather from the few chunks around them.
+// Neighbours share most nodes, so that far less passes through memory than a vector per corner.
+class ChunkedGather {
+public:
+    ChunkedGather() = default;
+    // nodes: 3 * node as [block][corners][8 lanes], of which n_elements lanes count; a chunk is `grain` blocks.
+    ChunkedGather(int n_nodes, const std::vector<int>& nodes, int corners, int n_elements, int grain);
+
+    int n_chunks() const { return static_cast<int>(begin_.size()) - 1; }
+    // 4 * (node within its chunk), [block][corners][8 lanes].
+    const std::uint16_t* slots() const { return slots_.data(); }
+    // Doubles of all chunks' sums, [node of a chunk][4].
+    std::size_t size() const { return begin_.back(); }
+    // Those of chunk k, set to zero.
+    double* cleared(int k, std::vector<double>& sums) const {
+        const auto at = sums.begin();
+        const auto offset = [&](int chunk) {
+            return static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(chunk)]);
+        };
+        std::fill(at + offset(k), at + offset(k + 1), 0.0);
+        return sums.data() + offset(k);
+    }
+    const NodeGather& gather() const { return gather_; }
+
+private:
+    std::vector<std::uint16_t> slots_;
+    std::vector<std::size_t> begin_ = {0};
+    NodeGather gather_;
 };
 
 }  // namespace dqa

@@ -31,6 +31,14 @@ typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
 [[maybe_unused]] inline void store(double* p, V v) {
     *reinterpret_cast<Vu*>(p) = v;
 }
+// Four doubles of any alignment, a padded three-vector.
+typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+[[maybe_unused]] inline Four& four_at(double* p) {
+    return *reinterpret_cast<Four*>(p);
+}
+[[maybe_unused]] inline const Four& four_at(const double* p) {
+    return *reinterpret_cast<const Four*>(p);
+}
 [[maybe_unused]] inline V broadcast(double x) {
     return V{} + x;
 }

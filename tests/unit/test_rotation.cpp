@@ -94,12 +94,13 @@ void test_batched_rotation() {
         ++tried;
         const BodyKernels& kernels = body_kernels(wanted);
         int nodes[64];
-        for (int k = 0; k < 64; ++k) nodes[k] = 3 * k;  // [corner][lane]
+        std::uint16_t slots[64];
+        for (int k = 0; k < 64; ++k) nodes[k] = 3 * k, slots[k] = static_cast<std::uint16_t>(4 * k);  // [corner][lane]
         const Vector weight(8, 1.0);
         for (const double scale : {1.0, 1e-20, 1e20})
             for (std::size_t first = 0; first < all.size(); first += 5) {
                 const auto f = [&](std::size_t lane) { return all[(first + lane) % all.size()]; };
-                Vector q(192), force(kCellForce), energy(1),
+                Vector q(192), force(256), energy(1),
                     cache(static_cast<std::size_t>(kernels.elastic[0][0].point_values) * 8);
                 for (std::size_t lane = 0; lane < 8; ++lane)
                     for (int corner = 0; corner < 8; ++corner) {
@@ -108,8 +109,8 @@ void test_batched_rotation() {
                         for (int a = 0; a < 3; ++a) q[static_cast<std::size_t>(24 * corner + a) + 3 * lane] = y(a);
                     }
                 int inverted = 0;
-                kernels.elastic[0][0].gradient(q.data(), nodes, weight.data(), nullptr, 1.0, 0.0, 0, 1, force.data(),
-                                            energy.data(), cache.data(), &inverted);
+                kernels.elastic[0][0].gradient(q.data(), nodes, weight.data(), nullptr, 1.0, 0.0, 0, 1,
+                                               {slots, force.data()}, energy.data(), cache.data(), &inverted);
                 double expected = 0.0;
                 for (std::size_t lane = 0; lane < 8; ++lane) {
                     for (std::size_t gauss = 0; gauss < 8; ++gauss) {
