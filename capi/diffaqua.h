@@ -339,9 +339,9 @@ typedef struct dqa_simulator_options {
     double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
     double tolerance;            /* force residual relative to the forces (to the rounding of positions where forces
                                     vanish) at which a step stops; default 1e-6 */
-    double adjoint_tolerance;    /* relative residual of the adjoint's linear solves; default 1e-7: with the default
-                                    of `tolerance` a smaller one does not make gradients more accurate, and 1e-6 does as
-                                    well up to some hundreds of steps. Tighten the two together */
+    double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: `tolerance`
+                                    in rollouts of up to 100 steps, and in longer ones so much less that what is left
+                                    does not add up; smaller ones do not make gradients more accurate */
     double water_density;        /* kg/m^3, > 0; default 1000 */
     double current[3];           /* m/s: velocity of the water; in two dimensions [2] must be 0; default 0 */
     double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must

@@ -78,8 +78,8 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.occupancy_floor, o.occupancy_floor >= 1e-12 && o.occupancy_floor <= 0.1, "occupancy_floor",
                   "a number in [1e-12, 0.1]");
     require_range(o.tolerance, o.tolerance > 0 && o.tolerance < 1, "tolerance", "a number in (0, 1)");
-    require_range(o.adjoint_tolerance, o.adjoint_tolerance > 0 && o.adjoint_tolerance < 1, "adjoint_tolerance",
-                  "a number in (0, 1)");
+    require_range(o.adjoint_tolerance, o.adjoint_tolerance >= 0 && o.adjoint_tolerance < 1, "adjoint_tolerance",
+                  "a number in (0, 1), or 0 for one that follows from `tolerance`");
     require_range(o.water_density, o.water_density > 0, "water_density", "a density > 0 (kg/m^3)");
     require_range(o.speed_smoothing, o.speed_smoothing > 0, "speed_smoothing", "a speed > 0 (m/s)");
     require_range(o.angle_smoothing, o.angle_smoothing > 0 && o.angle_smoothing <= 0.5, "angle_smoothing",

@@ -123,10 +123,7 @@ static int build_simulator(scene* s, const options* o) {
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     if (o->threshold >= 0.0) settings.threshold = o->threshold;
-    if (o->tolerance > 0.0) {
-        settings.adjoint_tolerance *= o->tolerance / settings.tolerance;
-        settings.tolerance = o->tolerance;
-    }
+    if (o->tolerance > 0.0) settings.tolerance = o->tolerance;
     physics_of_simulator(&o->laws, &settings);
     if (o->model_error > 0.0) outcome = choose_threshold(s, o, &settings);
     if (outcome != DONE) return outcome;

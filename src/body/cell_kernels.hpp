@@ -70,19 +70,9 @@ inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx, do
     return f;
 }
 
-// What the cells of a block give to their corners.
-struct CornerForces {
-    alignas(64) double value[8 * kBlock * 4];  // [corner][lane][4]
-};
-
-// In the same order for every instruction set. Corner by corner, because a cell shares nodes with the next one.
-inline void add_to_chunk(const CornerForces& corners, int block, const ChunkForces& chunk) {
-    const std::uint16_t* slots = chunk.slots + static_cast<long>(block) * 8 * kBlock;
-    for (int k = 0; k < 8 * kBlock; ++k) four_at(chunk.sum + slots[k]) += four_at(corners.value + 4 * k);
-}
-
-// Transpose of gradient_of: the stress sums of the Gauss points onto the corners of the cells from `lane` on.
-inline void scatter(const Gradient& p, double inv_dx, int lane, CornerForces& out) {
+// Transpose of gradient_of: adds the stress sums of the Gauss points onto the corners of the cells from `lane` on.
+inline void scatter(const Gradient& p, double inv_dx, int block, int lane, const ChunkForces& out) {
+    const std::uint16_t* slots = out.slots + static_cast<long>(block) * 8 * kBlock + lane;
     V3 ex[2][2], ey[2][2], ez[2][2];
     interpolate(p.x, inv_dx, ex);  // the matrix of `interpolate` is symmetric (near on the diagonal)
     interpolate(p.y, inv_dx, ey);
@@ -92,7 +82,7 @@ inline void scatter(const Gradient& p, double inv_dx, int lane, CornerForces& ou
             for (int iz = 0; iz < 2; ++iz) {
                 const double sx = ix ? 1.0 : -1.0, sy = iy ? 1.0 : -1.0, sz = iz ? 1.0 : -1.0;
                 const V3 f = sx * ex[iy][iz] + sy * ey[ix][iz] + sz * ez[ix][iy];
-                store_three(out.value + ((4 * ix + 2 * iy + iz) * kBlock + lane) * 4, f.x, f.y, f.z);
+                add_three(out.sum, slots + (4 * ix + 2 * iy + iz) * kBlock, f.x, f.y, f.z);
             }
 }
 

@@ -57,7 +57,6 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
                         int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -85,10 +84,9 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
                             lane;
                         store_twist(out, r, k);
                     }
-            scatter(p, inv_dx, lane, corners);
+            scatter(p, inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * e);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
@@ -97,7 +95,6 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
 void corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                        const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -123,9 +120,8 @@ void corotated_product(const double* p, const int* nodes, const double* weight, 
                     s.y[a][b] = w * s.y[a][b];
                     s.z[a][b] = w * s.z[a][b];
                 }
-            scatter(s, inv_dx, lane, corners);
+            scatter(s, inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 
@@ -175,7 +171,6 @@ inline Gradient from_centre(const V3 p[3]) {
 void volume_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx, double slab,
                      int begin, int end, const ChunkForces& force, double* energy, double* cache, int*) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -185,14 +180,13 @@ void volume_gradient(const double* q, const int* nodes, const double* weight, co
             rotation(c, r, &det);
             const V trace = dot(r[0], c[0]) + dot(r[1], c[1]) + dot(r[2], c[2]) - 3.0;
             const V3 p[3] = {(w * trace) * r[0], (w * trace) * r[1], (w * trace) * r[2]};
-            scatter(from_centre(p), inv_dx, lane, corners);
+            scatter(from_centre(p), inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * trace * trace);
             if (!cache) continue;
             double* out = cache + static_cast<long>(block) * kVolumePoint * kBlock + lane;
             store_twist(out, r, twist_of(c, r));
             store(out + 15 * kBlock, trace);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
 }
@@ -201,7 +195,6 @@ void volume_gradient(const double* q, const int* nodes, const double* weight, co
 void volume_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                     const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             V3 f[3], d[3];
@@ -214,9 +207,8 @@ void volume_product(const double* p, const int* nodes, const double* weight, dou
             const V change = w * (dot(r[0], f[0]) + dot(r[1], f[1]) + dot(r[2], f[2]));
             const V trace = w * load(in + 15 * kBlock);
             const V3 s[3] = {change * r[0] + trace * d[0], change * r[1] + trace * d[1], change * r[2] + trace * d[2]};
-            scatter(from_centre(s), inv_dx, lane, corners);
+            scatter(from_centre(s), inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 

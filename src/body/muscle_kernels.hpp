@@ -30,7 +30,6 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
                      const double* rest, double inv_dx, int begin, int end, const ChunkForces& force, double* energy,
                      double* cache) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
@@ -58,10 +57,9 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
                 store(out + kBlock, scale * select(crushed, V{}, t.y));
                 store(out + 2 * kBlock, scale * select(crushed, V{}, t.z));
             }
-            scatter(p, inv_dx, lane, corners);
+            scatter(p, inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * e);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
 }
@@ -70,7 +68,6 @@ void muscle_product(const double* p, const int* nodes, const double* direction, 
                     const double* rest, double inv_dx, int begin, int end, const double* cache,
                     const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const double* dir = direction + block * 3 * kBlock + lane;
             const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
@@ -86,9 +83,8 @@ void muscle_product(const double* p, const int* nodes, const double* direction, 
                 const V3 d = along(f, gx, gy, gz, m);
                 add_outer(s, gx, gy, gz, m, (w - sign * dot(u, u)) * d + (sign * dot(u, d)) * u);
             }
-            scatter(s, inv_dx, lane, corners);
+            scatter(s, inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 

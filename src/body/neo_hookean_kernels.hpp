@@ -32,7 +32,6 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
                   int begin, int end, const ChunkForces& force, double* energy, double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -57,10 +56,9 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
                 store(out + 9 * kBlock, a);
                 store(out + 10 * kBlock, 2.0 * inv * inv);
             }
-            scatter(p, inv_dx, lane, corners);
+            scatter(p, inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * e);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
@@ -69,7 +67,6 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
 void neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                  const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -87,9 +84,8 @@ void neo_product(const double* p, const int* nodes, const double* weight, double
                 s.y[gx][gz] = s.y[gx][gz] + (a * d[1] + b * c[1]);
                 s.z[gx][gy] = s.z[gx][gy] + (a * d[2] + b * c[2]);
             }
-            scatter(s, inv_dx, lane, corners);
+            scatter(s, inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 
@@ -120,7 +116,6 @@ void neo_filter(double*, int) {}
 void jacobian_gradient(const double* q, const int* nodes, const double* weight, const double* shift, double inv_dx,
                        double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache, int*) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -129,7 +124,7 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
             const V3 k[3] = {cross(c[1], c[2]), cross(c[2], c[0]), cross(c[0], c[1])};
             const V alpha = load(shift + block * kBlock + lane), excess = dot(c[0], k[0]) - alpha;
             const V3 p[3] = {(w * excess) * k[0], (w * excess) * k[1], (w * excess) * k[2]};
-            scatter(from_centre(p), inv_dx, lane, corners);
+            scatter(from_centre(p), inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * (excess * excess - (1.0 - alpha) * (1.0 - alpha)));  // 0 at rest
             if (!cache) continue;
             double* out = cache + static_cast<long>(block) * kJacobianPoint * kBlock + lane;
@@ -137,7 +132,6 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
             store(out + 9 * kBlock, excess);
             store(out + 10 * kBlock, excess);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
 }
@@ -145,7 +139,6 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
 void jacobian_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                       const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             V3 d[3], c[3];
@@ -158,9 +151,8 @@ void jacobian_product(const double* p, const int* nodes, const double* weight, d
             const V3 s[3] = {change * k[0] + geometric * (cross(d[1], c[2]) + cross(c[1], d[2])),
                              change * k[1] + geometric * (cross(d[2], c[0]) + cross(c[2], d[0])),
                              change * k[2] + geometric * (cross(d[0], c[1]) + cross(c[0], d[1]))};
-            scatter(from_centre(s), inv_dx, lane, corners);
+            scatter(from_centre(s), inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 

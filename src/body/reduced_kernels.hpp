@@ -43,7 +43,8 @@ inline Cell cell_of(const double* q, const int* nodes, double inv_dx, double sla
 }
 
 // Its transpose.
-inline void spread(const Cell& cell, double inv_dx, int lane, CornerForces& out) {
+inline void spread(const Cell& cell, double inv_dx, int block, int lane, const ChunkForces& out) {
+    const std::uint16_t* slots = out.slots + static_cast<long>(block) * 8 * kBlock + lane;
     const V zero = V{};
     const double affine = 0.25 * inv_dx, hourglass = 0.125 * inv_dx;
     V3 c[8] = {{zero, zero, zero}, affine * cell.f[2],    affine * cell.f[1],    hourglass * cell.h[0],
@@ -54,7 +55,7 @@ inline void spread(const Cell& cell, double inv_dx, int lane, CornerForces& out)
                 const V3 sum = c[k], difference = c[k | bit];
                 c[k] = sum - difference, c[k | bit] = sum + difference;
             }
-    for (int k = 0; k < 8; ++k) store_three(out.value + (k * kBlock + lane) * 4, c[k].x, c[k].y, c[k].z);
+    for (int k = 0; k < 8; ++k) add_three(out.sum, slots + k * kBlock, c[k].x, c[k].y, c[k].z);
 }
 
 // Hourglass forces of a cell for the stiffness w.
@@ -72,7 +73,6 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
                                 double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -88,10 +88,9 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
             resist(w, cell, s);
             if (cache)
                 store_twist(cache + static_cast<long>(block) * kCorotatedPoint * kBlock + lane, r, twist_of(cell.f, r));
-            spread(s, inv_dx, lane, corners);
+            spread(s, inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * e);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
@@ -100,7 +99,6 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
 void reduced_corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin,
                                int end, const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell cell = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -110,9 +108,8 @@ void reduced_corotated_product(const double* p, const int* nodes, const double* 
             Cell s;
             for (int k = 0; k < 3; ++k) s.f[k] = w * (cell.f[k] - d[k]);
             resist(w, cell, s);
-            spread(s, inv_dx, lane, corners);
+            spread(s, inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 
@@ -143,7 +140,6 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
                           int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
@@ -162,10 +158,9 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
                 store(out + 9 * kBlock, a);
                 store(out + 10 * kBlock, 2.0 * inv * inv);
             }
-            spread(s, inv_dx, lane, corners);
+            spread(s, inv_dx, block, lane, force);
             block_energy += sum_lanes(0.5 * w * e);
         }
-        add_to_chunk(corners, block, force);
         energy[block] = block_energy;
     }
     *inverted += n_inverted;
@@ -174,7 +169,6 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
 void reduced_neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                          const double* cache, const ChunkForces& force) {
     for (int block = begin; block < end; ++block) {
-        CornerForces corners;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell d = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -186,9 +180,8 @@ void reduced_neo_product(const double* p, const int* nodes, const double* weight
             Cell s;
             for (int k = 0; k < 3; ++k) s.f[k] = a * d.f[k] + b * f[k];
             resist(kNeoHourglass * w, d, s);
-            spread(s, inv_dx, lane, corners);
+            spread(s, inv_dx, block, lane, force);
         }
-        add_to_chunk(corners, block, force);
     }
 }
 

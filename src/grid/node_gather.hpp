@@ -53,11 +53,11 @@ private:
 class ChunkedGather {
 public:
     ChunkedGather() = default;
-    // nodes: 3 * node as [block][corners][8 lanes], of which n_elements lanes count; a chunk is `grain` blocks.
-    ChunkedGather(int n_nodes, const std::vector<int>& nodes, int corners, int n_elements, int grain);
+    // nodes: 3 * node as [block][8 corners][8 lanes], of which n_elements lanes count; a chunk is `grain` blocks.
+    ChunkedGather(int n_nodes, const std::vector<int>& nodes, int n_elements, int grain);
 
     int n_chunks() const { return static_cast<int>(begin_.size()) - 1; }
-    // 4 * (node within its chunk), [block][corners][8 lanes].
+    // 4 * (node within its chunk), [block][8 corners][8 lanes].
     const std::uint16_t* slots() const { return slots_.data(); }
     // Doubles of all chunks' sums, [node of a chunk][4].
     std::size_t size() const { return begin_.back(); }

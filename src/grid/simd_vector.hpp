@@ -4,6 +4,8 @@
 // linker into the wrong set. Data blocks hold kBlock lanes; a kernel walks them in pieces of kLanes.
 #pragma once
 
+#include <cstdint>
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -74,8 +76,8 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
     for (int l = 0; l < kLanes; ++l) x[l] = p[index[l]], y[l] = p[index[l] + 1], z[l] = p[index[l] + 2];
 #endif
 }
-// The transpose: out [lane][4] = (x, y, z, 0).
-[[maybe_unused]] inline void store_three(double* out, V x, V y, V z) {
+// The transpose: (x, y, z, 0) of each lane.
+[[maybe_unused]] inline void rows_of(V x, V y, V z, Four row[kLanes]) {
 #if defined(__AVX512F__)
     const V zero = V{};
     const V xy_even = __builtin_shuffle(x, y, Mask{0, 8, 2, 10, 4, 12, 6, 14});
@@ -86,22 +88,33 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
     const V r13 = __builtin_shuffle(xy_odd, z_odd, Mask{0, 1, 8, 9, 2, 3, 10, 11});
     const V r46 = __builtin_shuffle(xy_even, z_even, Mask{4, 5, 12, 13, 6, 7, 14, 15});
     const V r57 = __builtin_shuffle(xy_odd, z_odd, Mask{4, 5, 12, 13, 6, 7, 14, 15});
-    store(out, __builtin_shuffle(r02, r13, Mask{0, 1, 2, 3, 8, 9, 10, 11}));
-    store(out + 8, __builtin_shuffle(r02, r13, Mask{4, 5, 6, 7, 12, 13, 14, 15}));
-    store(out + 16, __builtin_shuffle(r46, r57, Mask{0, 1, 2, 3, 8, 9, 10, 11}));
-    store(out + 24, __builtin_shuffle(r46, r57, Mask{4, 5, 6, 7, 12, 13, 14, 15}));
+    const auto low = [](V v) -> Four { return __builtin_shufflevector(v, v, 0, 1, 2, 3); };
+    const auto high = [](V v) -> Four { return __builtin_shufflevector(v, v, 4, 5, 6, 7); };
+    row[0] = low(r02), row[1] = low(r13), row[2] = high(r02), row[3] = high(r13);
+    row[4] = low(r46), row[5] = low(r57), row[6] = high(r46), row[7] = high(r57);
 #elif defined(__AVX2__)
     const V zero = V{};
     const V xy_even = __builtin_shuffle(x, y, Mask{0, 4, 2, 6}), xy_odd = __builtin_shuffle(x, y, Mask{1, 5, 3, 7});
     const V z_even = __builtin_shuffle(z, zero, Mask{0, 4, 2, 4}), z_odd = __builtin_shuffle(z, zero, Mask{1, 4, 3, 4});
-    store(out, __builtin_shuffle(xy_even, z_even, Mask{0, 1, 4, 5}));
-    store(out + 4, __builtin_shuffle(xy_odd, z_odd, Mask{0, 1, 4, 5}));
-    store(out + 8, __builtin_shuffle(xy_even, z_even, Mask{2, 3, 6, 7}));
-    store(out + 12, __builtin_shuffle(xy_odd, z_odd, Mask{2, 3, 6, 7}));
+    row[0] = __builtin_shuffle(xy_even, z_even, Mask{0, 1, 4, 5});
+    row[1] = __builtin_shuffle(xy_odd, z_odd, Mask{0, 1, 4, 5});
+    row[2] = __builtin_shuffle(xy_even, z_even, Mask{2, 3, 6, 7});
+    row[3] = __builtin_shuffle(xy_odd, z_odd, Mask{2, 3, 6, 7});
 #else
-    for (int l = 0; l < kLanes; ++l)
-        out[4 * l] = x[l], out[4 * l + 1] = y[l], out[4 * l + 2] = z[l], out[4 * l + 3] = 0;
+    for (int l = 0; l < kLanes; ++l) row[l] = Four{x[l], y[l], z[l], 0.0};
 #endif
+}
+// To out [lane][4].
+[[maybe_unused]] inline void store_three(double* out, V x, V y, V z) {
+    Four row[kLanes];
+    rows_of(x, y, z, row);
+    for (int l = 0; l < kLanes; ++l) four_at(out + 4 * l) = row[l];
+}
+// Added to the four doubles at p + index[lane].
+[[maybe_unused]] inline void add_three(double* p, const std::uint16_t* index, V x, V y, V z) {
+    Four row[kLanes];
+    rows_of(x, y, z, row);
+    for (int l = 0; l < kLanes; ++l) four_at(p + index[l]) += row[l];
 }
 [[maybe_unused]] inline V square_root(V v) {
 #if defined(__AVX512F__)

@@ -2,6 +2,7 @@
 // Settings of a scene: material, water, time step, solver. SI units.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -41,13 +42,21 @@ struct SceneSettings {
     double threshold = 0.02;  // tau
     double occupancy_floor = 1e-10;
     double tolerance = 1e-6;
-    double adjoint_tolerance = 1e-7;
-    double shape_tolerance = 0.0;  // marginal error of the barycentre; 0: the space's own
+    double adjoint_tolerance = 0.0;  // 0: see adjoint_tolerance_over
+    double shape_tolerance = 0.0;    // marginal error of the barycentre; 0: the space's own
     WaterSettings hydrodynamics;
     std::shared_ptr<std::atomic<int>> cancel;  // may be null; non-zero asks to stop
 
     // By cell of the box, in place of young_modulus and muscle_stiffness where not null (Pa, [n_box_cells]).
     std::shared_ptr<const std::vector<double>> young_of_cell, muscle_of_cell;
+
+    // Tolerance of the linear solves of a backward sweep over n_steps. What adjoints leave unsolved adds up over the
+    // steps: below the error that the states bring along up to some hundreds of them at their own tolerance, but to
+    // 2e-3 of the gradient over ten thousand. Not below what rounding allows.
+    double adjoint_tolerance_over(long n_steps) const {
+        if (adjoint_tolerance > 0.0) return adjoint_tolerance;
+        return std::max(1e-12, tolerance * std::min(1.0, 100.0 / static_cast<double>(n_steps)));
+    }
 
     // 1/b^2 of the integrator's step length b; see stepper.hpp.
     double inertia_factor() const {

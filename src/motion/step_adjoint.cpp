@@ -102,7 +102,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     bool solved = ordered_norm(q_new_bar, size_) == 0.0;
     if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
     if (!solved && scene_.method != Method::newton_direct) {
-        const PcgResult r = pcg(size_, q_new_bar, lambda_.data(), scene_.adjoint_tolerance, scene_.max_linear, system(),
+        const PcgResult r = pcg(size_, q_new_bar, lambda_.data(), adjoint_tolerance_, scene_.max_linear, system(),
                                 threads_, krylov_, true);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
@@ -126,10 +126,10 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         }
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
-        if (!(report.residual <= std::max(1e-9, scene_.adjoint_tolerance)))
+        if (!(report.residual <= std::max(1e-9, adjoint_tolerance_)))
             fail(Status::NOT_CONVERGED,
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,
-                 report.residual, scene_.adjoint_tolerance);
+                 report.residual, adjoint_tolerance_);
     }
     // A constrained coordinate keeps its old place, through which the others feel it too.
     if (!design_->constrained().empty()) {

@@ -94,7 +94,7 @@ void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs) {
     });
     const std::vector<double> sums = whole.sums(trial_.data(), threads_);
     const double way = beta_ * beta_ * ordered_norm(sums.data(), sums.size());
-    if (way <= kAdjointBalance * scene_.adjoint_tolerance * std::sqrt(size2)) return;
+    if (way <= kAdjointBalance * adjoint_tolerance_ * std::sqrt(size2)) return;
     std::vector<double> d(size_, 0.0);
     for (std::size_t m = 0; m < sums.size(); ++m) {
         const std::vector<double> u = whole.field(m);

@@ -49,6 +49,7 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       scene_(design_->scene()),
       free_(free_motions(*design_)),
       piece_(pieces_of(design_->set(), design_->occupancy())),
+      adjoint_tolerance_(scene_.adjoint_tolerance_over(1)),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())),
       extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())),
       energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()) {

@@ -52,6 +52,9 @@ public:
 
     const Design& design() const { return *design_; }
 
+    // Sets the tolerance of the adjoints that follow; before, it is that of a single step.
+    void expect_sweep(long n_steps) { adjoint_tolerance_ = scene_.adjoint_tolerance_over(n_steps); }
+
     // now -> next. step: index for messages. Throws NOT_CONVERGED or DIVERGED; next is then unspecified.
     StepReport step(const State& now, const StepInput& input, long step, State& next);
     // Hydrodynamic totals of the step just taken to `next`.
@@ -124,7 +127,8 @@ private:
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
     RigidBalance::Free free_;
-    std::vector<int> piece_;               // of each node
+    std::vector<int> piece_;  // of each node
+    double adjoint_tolerance_;
     std::size_t size_;                     // 3 n_nodes
     double extent_;                        // of the body at rest (m)
     double energy_rounding_;               // of parts that cancel (J)

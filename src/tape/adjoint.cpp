@@ -17,6 +17,7 @@ Adjoint::Adjoint(std::shared_ptr<const Tape> tape)
       signal_bar_(static_cast<std::size_t>(position_)),
       current_bar_(static_cast<std::size_t>(position_)),
       bar_(tape_->design().zero_bar()) {
+    stepper_.expect_sweep(position_);
     state_bar_.q.assign(tape_->design().rest().size(), 0.0);
     state_bar_.v = state_bar_.q;
     const Controller* controller = tape_->controller();

@@ -7,9 +7,8 @@ namespace dqa {
 namespace {
 
 void product(const double* p, const int* nodes, const double* cd, const double* ct, const double* n, double inv_h,
-             int begin, int end, const std::uint16_t* slots, double* sum) {
-    for (int block = begin; block < end; ++block) {
-        alignas(64) double force[4 * kBlock];  // [lane][4]
+             int begin, int end, double* force) {
+    for (int block = begin; block < end; ++block)
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             V x = V{}, y = V{}, z = V{};
             for (int k = 0; k < 4; ++k) {
@@ -22,11 +21,9 @@ void product(const double* p, const int* nodes, const double* cd, const double* 
             const V nx = load(normal), ny = load(normal + kBlock), nz = load(normal + 2 * kBlock);
             const V drag = scale * load(cd + block * kBlock + lane);
             const V along = scale * load(ct + block * kBlock + lane) * (nx * x + ny * y + nz * z);
-            store_three(force + 4 * lane, drag * x + along * nx, drag * y + along * ny, drag * z + along * nz);
+            store_three(force + 4 * (block * kBlock + lane), drag * x + along * nx, drag * y + along * ny,
+                        drag * z + along * nz);
         }
-        const std::uint16_t* corners = slots + 4 * block * kBlock;
-        for (int k = 0; k < 4 * kBlock; ++k) four_at(sum + corners[k]) += four_at(force + 4 * (k % kBlock));
-    }
 }
 
 }  // namespace

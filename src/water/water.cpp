@@ -81,16 +81,19 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
             }
         }
     }
-    std::vector<int> node, corner;
-    for (const Face& f : faces_)
-        for (const int n : f.nodes) node.push_back(n / 3), corner.push_back(static_cast<int>(corner.size()));
+    std::vector<int> node, place, corner;
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+        for (const int n : faces_[f].nodes) {
+            node.push_back(n / 3), place.push_back(4 * static_cast<int>(f));
+            corner.push_back(static_cast<int>(corner.size()));
+        }
+    gather_ = NodeGather(set.n_nodes(), node, place);
     corners_ = NodeGather(set.n_nodes(), node, corner);
     const std::size_t blocks = (faces_.size() + 7) / 8;
     nodes_.resize(32 * blocks);
     for (std::size_t f = 0; f < 8 * blocks; ++f)
         for (std::size_t k = 0; k < 4; ++k)
             nodes_[f / 8 * 32 + 8 * k + f % 8] = faces_[std::min(f, faces_.size() - 1)].nodes[k];
-    sums_ = ChunkedGather(set.n_nodes(), nodes_, 4, n_faces(), kChunk / 8);
 }
 
 void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
@@ -98,7 +101,7 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     const std::size_t nf = faces_.size();
     const std::size_t room = (nf + 7) / 8 * 8;
     ws.cd.resize(room), ws.ct.resize(room), ws.k.resize(nf), ws.n.resize(3 * room), ws.area.resize(nf);
-    ws.u.resize(3 * nf), ws.force.resize(sums_.size());
+    ws.u.resize(3 * nf), ws.force.resize(4 * room);
     ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     parallel_chunks(threads, n_faces(), kChunk, [&](int begin, int end) {
@@ -145,7 +148,7 @@ Vec3 Water::force_velocity(const WaterWorkspace& ws, std::size_t i, const double
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                        double* out) const {
     const double energy = gradient_of_faces(ws, q_new, q_base, h, threads);
-    parallel_chunks(threads, corners_.n_nodes(), kNodeGrain,
+    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
                     [&](int begin, int end) { add_gradient(ws, begin, end, out); });
     return energy;
 }
@@ -154,16 +157,12 @@ double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const d
                                 Threads threads) const {
     return parallel_sum(threads, n_faces(), kChunk, [&](int begin, int end) {
         double e = 0.0;
-        double* sum = sums_.cleared(begin / kChunk, ws.force);
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
             const Vec3 n = ws.normal(i);
             const double nu = dot(n, u);
-            Vec3 force{};
+            double* force = ws.force.data() + 4 * i;
             for (std::size_t k = 0; k < 3; ++k) force[k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
-            const std::uint16_t* slots = sums_.slots() + i / 8 * 32 + i % 8;
-            for (std::size_t corner = 0; corner < 4; ++corner)
-                for (std::size_t k = 0; k < 3; ++k) sum[slots[8 * corner] + k] += force[k];
             if (settings_.explicit_forces) {
                 const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
                 e += h * (force[0] * fresh[0] + force[1] * fresh[1] + force[2] * fresh[2]);
@@ -177,23 +176,22 @@ double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const d
 
 void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
     parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, h, k); });
-    parallel_chunks(threads, corners_.n_nodes(), kNodeGrain,
+    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
                     [&](int begin, int end) { add_product(ws, begin, end, out); });
 }
 
 int Water::n_chunks() const {
     if (settings_.explicit_forces) return 0;  // constant during the step
-    return sums_.n_chunks();
+    return (n_faces() + kChunk - 1) / kChunk;
 }
 
 void Water::product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const {
     const int begin = k * (kChunk / 8), end = std::min(begin + kChunk / 8, (n_faces() + 7) / 8);
-    kernels_.product(p, nodes_.data(), ws.cd.data(), ws.ct.data(), ws.n.data(), 1.0 / h, begin, end, sums_.slots(),
-                     sums_.cleared(k, ws.force));
+    kernels_.product(p, nodes_.data(), ws.cd.data(), ws.ct.data(), ws.n.data(), 1.0 / h, begin, end, ws.force.data());
 }
 
 void Water::add_product(const WaterWorkspace& ws, int begin, int end, double* out) const {
-    if (!settings_.explicit_forces) add_gradient(ws, begin, end, out);
+    if (!settings_.explicit_forces) gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
 }
 
 void WaterParameterBar::operator+=(const WaterParameterBar& o) {

@@ -44,7 +44,7 @@ struct WaterSettings {
 struct WaterWorkspace {
     std::vector<double> cd, ct, k, n;
     std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
-    std::vector<double> force;    // on the nodes of chunks, scratch of gradient and product
+    std::vector<double> force;    // [n_faces][4], scratch of gradient and product
     // Scratch of the pullbacks, by face: cotangents of the new and the lagged velocity and of the two diagonals,
     // [n_faces][4][4], and of the occupancy jump.
     std::vector<double> face_bar, jump_bar;
@@ -91,7 +91,7 @@ public:
     double gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
                              Threads threads) const;
     void add_gradient(const WaterWorkspace& ws, int begin, int end, double* out) const {
-        sums_.gather().add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
+        gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
     }
     // out += H p.
     void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
@@ -155,7 +155,7 @@ private:
     std::vector<Face> faces_;
     const WaterKernels& kernels_;
     std::vector<int> nodes_;  // of the faces, [block][4][8]
-    ChunkedGather sums_;      // of their forces
+    NodeGather gather_;       // of the faces
     NodeGather corners_;      // of their corners: 4 face + corner
 };
 

@@ -63,11 +63,10 @@ bool small(const Scene& scene) {
     return scene.grid[0] * scene.grid[1] * scene.grid[2] <= 6000;
 }
 
-// The ratio of the two tolerances is that of the defaults.
 Setup setup_of(const Settings& s, int method, int integrator, double threshold, double tolerance, int threads) {
     Setup out;
     out.method = method, out.integrator = integrator, out.threshold = threshold, out.threads = threads;
-    out.tolerance = tolerance, out.adjoint_tolerance = 0.1 * tolerance;
+    out.tolerance = tolerance;
     out.steps = s.steps, out.repeat = s.repeat, out.budget = s.budget, out.quadrature = s.quadrature;
     return out;
 }

@@ -473,7 +473,7 @@ ReferenceReport Reference::adjoint(const FieldState& now, const std::vector<doub
     turns_.clear();
     const double h = scene_.time_step;
     const Field rhs = next_bar.q + next_bar.v / h;
-    const double target = scene_.adjoint_tolerance * rhs.norm();
+    const double target = scene_.adjoint_tolerance_over(1) * rhs.norm();
     ReferenceReport report;
     Field lambda = Field::Zero(3, rhs.cols()), gradient = -rhs;
     QuasiNewton history;

@@ -60,7 +60,7 @@ constexpr const char* kPrecisions[] = {"single", "double"};  // of the precondit
 
 struct Setup {
     int method = 0, integrator = 0, material = 0, quadrature = 1, precision = 0, threads = 1;
-    double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 1e-7;
+    double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 0.0;
     double time_step = 1.0 / 30.0;
     int steps = 5, repeat = 5;
     double budget = 60.0;   // s, after which no further repetition starts

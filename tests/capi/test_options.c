@@ -292,7 +292,7 @@ static void simulator_ranges(void** state) {
         MD(occupancy_floor, NAN),
         MD(tolerance, 0),
         MD(tolerance, NAN),
-        MD(adjoint_tolerance, 0),
+        MD(adjoint_tolerance, 1),
         MD(adjoint_tolerance, -1),
         MD(adjoint_tolerance, NAN),
         MD(water_density, 0),

@@ -197,7 +197,8 @@ options! {
         occupancy_floor: f64,
         /// Relative force residual at which a step stops; default 1e-6.
         tolerance: f64,
-        /// Relative residual of the adjoint's linear solves; default 1e-7.
+        /// Relative residual of the adjoint's linear solves; default 0: `tolerance`, and less in rollouts of more
+        /// than 100 steps.
         adjoint_tolerance: f64,
         /// kg/m^3, > 0; default 1000.
         water_density: f64,
