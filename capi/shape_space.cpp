@@ -29,6 +29,7 @@ dqa_shape_space_options default_options() {
     o.tolerance = s.tolerance;
     o.interpolation = DQA_INTERPOLATION_LINEAR;
     o.automatic_fins = s.automatic_fins;
+    o.refinement = s.refinement;
     return o;
 }
 
@@ -61,11 +62,14 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
                   o.interpolation == DQA_INTERPOLATION_LINEAR || o.interpolation == DQA_INTERPOLATION_BURES,
                   "interpolation", "DQA_INTERPOLATION_LINEAR or DQA_INTERPOLATION_BURES");
     require_range(o.automatic_fins, o.automatic_fins == 0 || o.automatic_fins == 1, "automatic_fins", "0 or 1");
+    require_range(static_cast<double>(o.refinement), o.refinement >= 1 && o.refinement <= dqa::kMaxRefinement,
+                  "refinement", "a number in [1, 4]");
     dqa::ShapeSettings s;
     s.dims = o.dims;
     s.interpolation = static_cast<dqa::Interpolation>(o.interpolation), s.automatic_fins = o.automatic_fins == 1;
     s.cells = {o.cells_x, o.cells_y, cells_z};
     s.margin = o.margin, s.margin_across = o.margin_across, s.up = o.up, s.subsamples = o.subsamples;
+    s.refinement = static_cast<int>(o.refinement);
     s.peak = static_cast<dqa::Peak>(o.peak);
     s.max_iterations = o.max_iterations, s.threads = o.threads;
     s.body_length = o.body_length, s.cell_size = o.cell_size, s.sigma = o.sigma, s.tolerance = o.tolerance;

@@ -8,7 +8,6 @@
 #include "grid/error.hpp"
 #include "shape/actuator_placement.hpp"
 #include "shape/planar_base.hpp"
-#include "shape/voxelize.hpp"
 
 namespace dqa {
 namespace {
@@ -22,11 +21,11 @@ bool turned(const Actuator& a, const Actuator& b) {
 
 }  // namespace
 
-ShapeSpace::ShapeSpace(const ShapeSettings& settings) : settings_(settings), kernel_(settings.cells, settings.sigma) {
-    box_.cells = settings.cells;
-    box_.dx = settings.cell_size;
-    box_.dims = settings.dims;
-}
+ShapeSpace::ShapeSpace(const ShapeSettings& settings)
+    : settings_(settings),
+      box_{settings.cells, settings.cell_size, settings.dims},
+      refinement_(box_, settings.refinement),
+      kernel_(refinement_.box().cells, settings.sigma * settings.refinement) {}
 
 void ShapeSpace::require_open(const char* what) const {
     if (built_) fail(Status::ERROR_STATE, "%s: the shape space is already built; it is frozen from then on", what);
@@ -43,9 +42,10 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     orient_up(cleaned, settings_.up);
     BaseShape base;
     base.name = name;
-    base.fractions = covered_fractions(cleaned, box_, {settings_.margin, settings_.margin_across}, settings_.subsamples,
-                                       settings_.threads, &base.length_in_cells);
-    return add_base(std::move(base));
+    const int factor = settings_.refinement, rays = (settings_.subsamples + factor - 1) / factor;
+    base.fractions =
+        covered_fractions(cleaned, refinement_.box(), fine_margin(), rays, settings_.threads, &base.length_in_cells);
+    return add_fine(std::move(base));
 }
 
 int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
@@ -67,6 +67,7 @@ int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
     if (last < 0)
         fail(Status::ERROR_ARGUMENT, "cells: no cell is covered by half or more (sum %g), expected a body", sum);
     base.length_in_cells = last - first + 1;
+    if (settings_.refinement > 1) base.fine = refinement_.spread(cells);
     return add_base(std::move(base));
 }
 
@@ -76,27 +77,38 @@ void ShapeSpace::require_plane(const char* what) const {
         fail(Status::ERROR_ARGUMENT, "%s: the space has dims = 3, expected 2; add meshes or densities here", what);
 }
 
+Margin ShapeSpace::fine_margin() const {
+    return {settings_.margin * settings_.refinement, settings_.margin_across * settings_.refinement};
+}
+
 int ShapeSpace::add_base(BaseShape base) {
     bases_.push_back(std::move(base));
     return static_cast<int>(bases_.size()) - 1;
+}
+
+int ShapeSpace::add_fine(BaseShape base) {
+    if (settings_.refinement > 1) {
+        base.fine = std::move(base.fractions);
+        base.fractions = refinement_.mean(base.fine);
+        base.length_in_cells /= settings_.refinement;
+    }
+    return add_base(std::move(base));
 }
 
 int ShapeSpace::add_polygon(const std::string& name, const std::vector<std::array<double, 2>>& corners) {
     require_plane("add_polygon");
     BaseShape base;
     base.name = name;
-    base.fractions =
-        polygon_fractions(corners, box_, {settings_.margin, settings_.margin_across}, &base.length_in_cells);
-    return add_base(std::move(base));
+    base.fractions = polygon_fractions(corners, refinement_.box(), fine_margin(), &base.length_in_cells);
+    return add_fine(std::move(base));
 }
 
 int ShapeSpace::add_image(const std::string& name, const double* pixels, int rows, int columns) {
     require_plane("add_image");
     BaseShape base;
     base.name = name;
-    base.fractions = image_fractions(pixels, rows, columns, box_, {settings_.margin, settings_.margin_across},
-                                     &base.length_in_cells);
-    return add_base(std::move(base));
+    base.fractions = image_fractions(pixels, rows, columns, refinement_.box(), fine_margin(), &base.length_in_cells);
+    return add_fine(std::move(base));
 }
 
 void ShapeSpace::add_actuator(int base, const Actuator& actuator) {
@@ -206,9 +218,9 @@ void ShapeSpace::freeze() {
     densities_.clear();
     for (BaseShape& b : bases_) {
         double sum = 0.0;
-        for (const double f : b.fractions) sum += f;
-        b.density.resize(b.fractions.size());
-        for (std::size_t c = 0; c < b.fractions.size(); ++c) b.density[c] = b.fractions[c] / sum;
+        b.density = settings_.refinement > 1 ? b.fine : b.fractions;
+        for (const double f : b.density) sum += f;
+        for (double& f : b.density) f /= sum;
         densities_.push_back(b.density);
     }
     list_actuators();
@@ -307,8 +319,8 @@ ShapePoint ShapeSpace::evaluate(const std::vector<double>& weights, double toler
     const BarycenterSettings s = barycenter_settings(tolerance, threads, monitor);
     ShapePoint point;
     point.barycenter = solve_barycenter(kernel_, densities_, weights, s);
-    point.peak = peak_of(point.barycenter.p, settings_.peak);
-    point.p_hat = point.barycenter.p;
+    point.p_hat = refinement_.sum(point.barycenter.p);
+    point.peak = peak_of(point.p_hat, settings_.peak);
     for (double& v : point.p_hat) v /= point.peak;
     for (const ActuatorSlot& slot : slots_)
         point.actuators.push_back(interpolate_actuator(actuators_of(slot), weights, settings_.interpolation));
@@ -319,7 +331,8 @@ std::vector<double> ShapeSpace::pullback(const ShapePoint& point, const double* 
                                          const std::vector<ActuatorBar>& actuators_bar, double tolerance, int threads,
                                          const std::function<void(int, double)>& monitor) const {
     const BarycenterSettings s = barycenter_settings(tolerance, threads, monitor);
-    const std::vector<double> p_bar = normalise_pullback(point.barycenter.p, point.peak, settings_.peak, p_hat_bar);
+    const std::vector<double> p_bar = refinement_.spread(
+        normalise_pullback(refinement_.sum(point.barycenter.p), point.peak, settings_.peak, p_hat_bar).data());
     std::vector<double> bar = barycenter_pullback(kernel_, densities_, point.barycenter, p_bar.data(), s);
     for (std::size_t k = 0; k < actuators_bar.size(); ++k)
         interpolate_actuator_pullback(actuators_of(slots_[k]), point.actuators[k], settings_.interpolation,

@@ -14,6 +14,8 @@
 #include "shape/gaussian_kernel.hpp"
 #include "shape/mesh.hpp"
 #include "shape/occupancy.hpp"
+#include "shape/refinement.hpp"
+#include "shape/voxelize.hpp"
 
 namespace dqa {
 
@@ -24,6 +26,7 @@ struct ShapeSettings {
     int margin_across = 0;                 // and to the sides
     int up = 0;
     int subsamples = 8;
+    int refinement = 1;  // finer cells along the edge of a cell, between which mass moves
     Peak peak = Peak::smooth;
     int max_iterations = 5000;
     int threads = 1;
@@ -38,7 +41,8 @@ struct ShapeSettings {
 struct BaseShape {
     std::string name;
     std::vector<double> fractions;  // covered fraction of each cell
-    std::vector<double> density;    // fractions / sum
+    std::vector<double> fine;       // of each finer cell; empty without refinement
+    std::vector<double> density;    // of each finer cell: its fraction / sum
     double length_in_cells = 0.0;
     std::vector<Actuator> actuators;  // fins: one for each half
 };
@@ -60,7 +64,7 @@ struct ActuatorSlot {
 
 // A design's geometry.
 struct ShapePoint {
-    Barycenter barycenter;
+    Barycenter barycenter;  // on the finer cells
     double peak = 0.0;
     std::vector<double> p_hat;             // [n_cells]
     std::vector<ActuatorPoint> actuators;  // one per slot of the space
@@ -113,6 +117,8 @@ public:
 private:
     void require_open(const char* what) const;
     void require_plane(const char* what) const;
+    Margin fine_margin() const;
+    int add_fine(BaseShape base);  // with what was found on the finer cells as its fractions and length
     int add_base(BaseShape base);
     void freeze();  // everything that follows from bases and cell size
     void choose_axis();
@@ -125,6 +131,7 @@ private:
 
     ShapeSettings settings_;
     Box box_;
+    Refinement refinement_;
     GaussianKernel kernel_;
     std::vector<BaseShape> bases_;
     std::vector<std::vector<double>> densities_;

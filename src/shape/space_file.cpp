@@ -12,7 +12,7 @@ namespace dqa {
 namespace {
 
 constexpr char kMagic[8] = {'D', 'Q', 'A', 'S', 'P', 'A', 'C', 'E'};
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 }  // namespace
 
@@ -21,9 +21,10 @@ void ShapeSpace::save(const std::string& path) const {
     SealedWriter w(kMagic, kVersion);
     w.integer(settings_.dims);
     for (const int n : settings_.cells) w.integer(n);
-    for (const int v : {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
-                        static_cast<int>(settings_.peak), settings_.max_iterations,
-                        static_cast<int>(settings_.interpolation), static_cast<int>(settings_.automatic_fins)})
+    for (const int v :
+         {settings_.margin, settings_.margin_across, settings_.up, settings_.subsamples,
+          static_cast<int>(settings_.peak), settings_.max_iterations, static_cast<int>(settings_.interpolation),
+          static_cast<int>(settings_.automatic_fins), settings_.refinement})
         w.integer(v);
     for (const double v : {settings_.body_length, settings_.cell_size, settings_.sigma, settings_.tolerance, box_.dx})
         w.put(v);
@@ -33,6 +34,7 @@ void ShapeSpace::save(const std::string& path) const {
         w.text(b.name);
         w.put(b.length_in_cells);
         w.doubles(b.fractions.data(), b.fractions.size());
+        w.doubles(b.fine.data(), b.fine.size());
         w.put(static_cast<std::uint32_t>(b.actuators.size()));
         for (const Actuator& a : b.actuators) {
             for (const int v : {a.category, static_cast<int>(a.kind), static_cast<int>(a.half), a.layers}) w.integer(v);
@@ -55,25 +57,35 @@ std::shared_ptr<ShapeSpace> ShapeSpace::load(const std::string& path) {
     s.max_iterations = r.integer("max_iterations", 1, std::numeric_limits<int>::max());
     s.interpolation = static_cast<Interpolation>(r.integer("interpolation", 0, static_cast<int>(Interpolation::bures)));
     s.automatic_fins = r.integer("automatic_fins", 0, 1) != 0;
+    s.refinement = r.integer("refinement", 1, kMaxRefinement);
     s.body_length = r.positive("body_length");
     s.cell_size = r.get<double>();
     r.expect(s.cell_size >= 0 && std::isfinite(s.cell_size), "cell_size", s.cell_size);
     s.sigma = r.positive("sigma"), s.tolerance = r.positive("tolerance");
     const double dx = r.positive("the edge of a cell");
-    auto space = std::make_shared<ShapeSpace>(s);
+    std::shared_ptr<ShapeSpace> space;
+    try {
+        space = std::make_shared<ShapeSpace>(s);
+    } catch (const Error& e) {
+        fail(Status::ERROR_FILE, "'%s': %s", path.c_str(), e.what());
+    }
     space->box_.dx = dx;
     const std::size_t n_cells = static_cast<std::size_t>(space->box_.n_cells());
+    const std::size_t n_fine =
+        s.refinement > 1 ? static_cast<std::size_t>(space->refinement_.box().n_cells()) : 0;  // of a base in the file
     const std::uint32_t count = r.get<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {
         BaseShape b;
         b.name = r.text(r.get<std::uint32_t>());
         b.length_in_cells = r.positive("a base's length");
-        r.need(n_cells * sizeof(double));  // before memory is asked for
-        b.fractions.resize(n_cells);
-        r.doubles(b.fractions.data(), n_cells);
-        double sum = 0.0;
-        for (const double f : b.fractions) r.expect(f >= 0 && f <= 1, "a covered fraction", f), sum += f;
-        r.expect(sum > 0, "the sum of a base's fractions", sum);
+        r.need((n_cells + n_fine) * sizeof(double));  // before memory is asked for
+        for (auto [fractions, n] : {std::pair{&b.fractions, n_cells}, std::pair{&b.fine, n_fine}}) {
+            fractions->resize(n);
+            r.doubles(fractions->data(), n);
+            double sum = 0.0;
+            for (const double f : *fractions) r.expect(f >= 0 && f <= 1, "a covered fraction", f), sum += f;
+            r.expect(n == 0 || sum > 0, "the sum of a base's fractions", sum);
+        }
         std::vector<Actuator> given;
         const std::uint32_t actuators = r.get<std::uint32_t>();
         for (std::uint32_t k = 0; k < actuators; ++k) {

@@ -13,7 +13,7 @@
 #define AT(type, field, bytes) _Static_assert(offsetof(type, field) == (bytes), #type "." #field " moved");
 
 /* clang-format off: one field a line */
-SIZE(dqa_shape_space_options, 104)
+SIZE(dqa_shape_space_options, 112)
 AT(dqa_shape_space_options, struct_size, 0)
 AT(dqa_shape_space_options, flags, 4)
 AT(dqa_shape_space_options, dims, 8)
@@ -35,6 +35,7 @@ AT(dqa_shape_space_options, tolerance, 80)
 AT(dqa_shape_space_options, cancel, 88)
 AT(dqa_shape_space_options, interpolation, 96)
 AT(dqa_shape_space_options, automatic_fins, 100)
+AT(dqa_shape_space_options, refinement, 104)
 
 SIZE(dqa_actuator_options, 96)
 AT(dqa_actuator_options, struct_size, 0)

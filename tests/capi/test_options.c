@@ -214,6 +214,8 @@ static void shape_space_ranges(void** state) {
         SI(up, 3),
         SI(subsamples, 0),
         SI(subsamples, 17),
+        SI(refinement, 0),
+        SI(refinement, 5),
         SI(peak, -1),
         SI(peak, 2),
         SI(max_iterations, 0),

@@ -54,10 +54,10 @@ private:
     std::string path_;
 };
 
-std::shared_ptr<ShapeSpace> space(double sigma = 0.8) {
+std::shared_ptr<ShapeSpace> space(double sigma = 0.8, int refinement = 1) {
     ShapeSettings s;
     s.cells = cells, s.sigma = sigma, s.cell_size = 0.05, s.body_length = 0.9, s.tolerance = 1e-8, s.subsamples = 5;
-    s.interpolation = Interpolation::bures, s.automatic_fins = true;
+    s.interpolation = Interpolation::bures, s.automatic_fins = true, s.refinement = refinement;
     s.margin = 1, s.up = 2, s.peak = Peak::paper, s.max_iterations = 777;
     auto out = std::make_shared<ShapeSpace>(s);
     out->add_fractions("one, with \"quotes\" and \n", soft_ellipsoid(cells, {10, 4, 5}, {7.6, 2.1, 2.7}).data());
@@ -92,9 +92,9 @@ std::string sealed(std::string bytes) {
     return bytes;
 }
 
-void test_round_trip() {
+void check_round_trip(int refinement) {
     const Folder folder;
-    const auto before = space();
+    const auto before = space(0.8, refinement);
     before->save(folder / "a");
     const auto after = ShapeSpace::load(folder / "a");
     CHECK(folder.names().size() == 1);
@@ -104,12 +104,14 @@ void test_round_trip() {
     CHECK(s.cell_size == t.cell_size && s.sigma == t.sigma && s.tolerance == t.tolerance);
     CHECK(before->box().dx == after->box().dx && before->categories() == after->categories());
     CHECK(s.interpolation == t.interpolation && s.automatic_fins == t.automatic_fins);
+    CHECK(s.refinement == t.refinement && s.refinement == refinement);
     CHECK(before->slots() == after->slots() && before->fibres_turn() == after->fibres_turn());
     CHECK(before->axis_y() == after->axis_y() && before->axis_z() == after->axis_z());
     CHECK(after->bases().size() == 2);
     for (std::size_t i = 0; i < 2; ++i) {
         const BaseShape &b = before->bases()[i], &c = after->bases()[i];
-        CHECK(b.name == c.name && b.fractions == c.fractions && b.density == c.density);
+        CHECK(b.name == c.name && b.fractions == c.fractions && b.fine == c.fine && b.density == c.density);
+        CHECK(b.density.size() == b.fractions.size() * static_cast<std::size_t>(refinement * refinement * refinement));
         CHECK(b.length_in_cells == c.length_in_cells && b.actuators.size() == (i == 0 ? 1u : 3u));
         CHECK(b.actuators.size() == c.actuators.size());
         for (std::size_t k = 0; k < b.actuators.size(); ++k) {
@@ -122,6 +124,10 @@ void test_round_trip() {
     after->save(folder / "b");
     CHECK(content(folder / "a") == content(folder / "b"));
     EXPECT_ERROR(ERROR_STATE, "already built", after->build(nullptr));
+}
+
+void test_round_trip() {
+    for (const int refinement : {1, 2, 3}) check_round_trip(refinement);
 }
 
 void test_damaged_files() {
@@ -148,7 +154,7 @@ void test_damaged_files() {
     newer[8] = 99;
     refused(sealed(newer), "format version 99");
     newer[8] = 2;
-    refused(sealed(newer), "format version 2, this library reads 3");
+    refused(sealed(newer), "format version 2, this library reads 4");
     EXPECT_ERROR(ERROR_IO, "cannot open", ShapeSpace::load(folder / "none"));
     EXPECT_ERROR(ERROR_IO, "cannot read", ShapeSpace::load(folder.path()));
 }
@@ -158,8 +164,8 @@ void test_forged_files() {
     const Folder folder;
     space()->save(folder / "good");
     const std::string good = content(folder / "good"), path = folder / "bad";
-    constexpr std::size_t dims = 12, ints = 16, doubles = 60,
-                          bases = 100;  // offsets: dims; cells, margin..; body length..; count of bases
+    constexpr std::size_t dims = 12, ints = 16, doubles = 64,
+                          bases = 104;  // offsets: dims; cells, margin..; body length..; count of bases
     const auto refused = [&](std::string bytes, const char* what) {
         write(path, sealed(std::move(bytes)));
         try {
@@ -194,6 +200,9 @@ void test_forged_files() {
     refused(with_int(ints + 32, 0), "no iterations");
     refused(with_int(ints + 36, 2), "unknown interpolation");
     refused(with_int(ints + 40, 2), "neither with nor without fins");
+    refused(with_int(ints + 44, 0), "no finer cells");
+    refused(with_int(ints + 44, 2), "finer cells without their fractions");
+    refused(with_int(ints + 44, 5), "too fine cells");
     for (const double x : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
         refused(with_double(doubles, x), "body length");
         refused(with_double(doubles + 16, x), "sigma");

@@ -28,7 +28,7 @@ static const field shape_space_options_fields[] = {
     ROW(dqa_shape_space_options, threads, INT32), ROW(dqa_shape_space_options, body_length, DOUBLE),
     ROW(dqa_shape_space_options, cell_size, DOUBLE), ROW(dqa_shape_space_options, sigma, DOUBLE),
     ROW(dqa_shape_space_options, tolerance, DOUBLE), ROW(dqa_shape_space_options, interpolation, INT32),
-    ROW(dqa_shape_space_options, automatic_fins, INT32), END};
+    ROW(dqa_shape_space_options, automatic_fins, INT32), ROW(dqa_shape_space_options, refinement, INT64), END};
 static const field actuator_options_fields[] = {
     ROW(dqa_actuator_options, category, INT32), ROW(dqa_actuator_options, kind, INT32),
     ROW(dqa_actuator_options, mean, DOUBLE), ROW(dqa_actuator_options, variance, DOUBLE),

@@ -37,6 +37,7 @@ class SpaceOptions(TypedDict, total=False):
     tolerance: float
     interpolation: int
     automatic_fins: int
+    refinement: int
 
 
 class SimulatorOptions(TypedDict, total=False):

@@ -119,12 +119,13 @@ pub struct dqa_shape_space_options {
     pub cancel: *mut dqa_cancel_token,
     pub interpolation: i32,
     pub automatic_fins: i32,
+    pub refinement: i64,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
     [
         "Size of dqa_shape_space_options",
-    ][::core::mem::size_of::<dqa_shape_space_options>() - 104usize];
+    ][::core::mem::size_of::<dqa_shape_space_options>() - 112usize];
     [
         "Alignment of dqa_shape_space_options",
     ][::core::mem::align_of::<dqa_shape_space_options>() - 8usize];
@@ -191,6 +192,9 @@ const _: () = {
     [
         "Offset of field: dqa_shape_space_options::automatic_fins",
     ][::core::mem::offset_of!(dqa_shape_space_options, automatic_fins) - 100usize];
+    [
+        "Offset of field: dqa_shape_space_options::refinement",
+    ][::core::mem::offset_of!(dqa_shape_space_options, refinement) - 104usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]

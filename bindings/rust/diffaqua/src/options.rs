@@ -137,6 +137,8 @@ options! {
         interpolation: Interpolation,
         /// Whether bases without any actuator also get fins where their geometry has them; default false.
         automatic_fins: bool,
+        /// Finer cells along the edge of a cell, between which mass moves, in [1, 4]; default 1.
+        refinement: usize,
     }
 
     /// A muscle region as a Gaussian: the box around the half-peak ellipsoid.
