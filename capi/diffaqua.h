@@ -140,8 +140,8 @@ typedef struct dqa_shape_space_options {
     int64_t refinement;      /* in [1, 4]: each cell is cut into as many along every axis, mass moves between those, and the
                                 density of a cell is their sum; sigma still counts whole cells. A kernel narrower than
                                 about half the edge of the cells between which mass moves makes a comb of a body that is
-                                stretched, and thin parts of shapes between the bases come loose: 2 mends that at sigma =
-                                0.35. Time and memory grow with its power of dims; default 1 */
+                                stretched, and thin parts of shapes between the bases come loose: 2 mends that at the
+                                default width. Time and memory grow with its power of dims; default 1 */
 } dqa_shape_space_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */

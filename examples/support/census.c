@@ -9,8 +9,7 @@
 #define INSIDE 0.5
 
 /* Number of cells of the part around `start`; marks them as seen. */
-static int64_t flood(const double* density, const int32_t cells[3], int64_t start, unsigned char* seen,
-                     int64_t* stack) {
+static int64_t flood(const double* value, const int32_t cells[3], int64_t start, unsigned char* seen, int64_t* stack) {
     const int64_t stride[3] = {(int64_t)cells[1] * cells[2], cells[2], 1};
     int64_t depth = 0, count = 0;
     stack[depth++] = start;
@@ -22,8 +21,7 @@ static int64_t flood(const double* density, const int32_t cells[3], int64_t star
             const int64_t place = at / stride[axis] % cells[axis];
             for (int side = -1; side <= 1; side += 2) {
                 const int64_t next = at + side * stride[axis];
-                if (place + side < 0 || place + side >= cells[axis] || seen[next] || !(density[next] > INSIDE))
-                    continue;
+                if (place + side < 0 || place + side >= cells[axis] || seen[next] || !(value[next] > INSIDE)) continue;
                 seen[next] = 1;
                 stack[depth++] = next;
             }
@@ -32,7 +30,7 @@ static int64_t flood(const double* density, const int32_t cells[3], int64_t star
     return count;
 }
 
-int64_t census_parts(const double* density, const int32_t cells[3], double* largest) {
+int64_t census_parts(const double* value, const int32_t cells[3], double* largest) {
     const int64_t n = (int64_t)cells[0] * cells[1] * cells[2];
     unsigned char* seen = calloc((size_t)n, 1);
     int64_t* stack = malloc((size_t)n * sizeof *stack);
@@ -45,8 +43,8 @@ int64_t census_parts(const double* density, const int32_t cells[3], double* larg
     }
     for (int64_t i = 0; i < n; ++i) {
         int64_t count;
-        if (seen[i] || !(density[i] > INSIDE)) continue;
-        count = flood(density, cells, i, seen, stack);
+        if (seen[i] || !(value[i] > INSIDE)) continue;
+        count = flood(value, cells, i, seen, stack);
         ++parts;
         all += count;
         if (count > most) most = count;

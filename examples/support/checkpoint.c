@@ -21,12 +21,13 @@
 char* checkpoint_settings(const options* o) {
     memory_text t;
     memory_text_begin(&t);
-    memory_text_add(&t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nsteps %" PRId64 "\ncontrol %s\nrate %d\nbases %d\n",
-                    dqa_version(), (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, o->steps,
-                    o->mlp             ? "mlp"
-                    : o->fixed_control ? "fixed"
-                                       : "free",
-                    (int)o->rate, (int)o->n_meshes);
+    memory_text_add(
+        &t, "library %s\ngrid %dx%dx%d\nsigma %.17g\nrefinement %d\nsteps %" PRId64 "\ncontrol %s\nrate %d\nbases %d\n",
+        dqa_version(), (int)o->grid[0], (int)o->grid[1], (int)o->grid[2], o->sigma, (int)o->refinement, o->steps,
+        o->mlp             ? "mlp"
+        : o->fixed_control ? "fixed"
+                           : "free",
+        (int)o->rate, (int)o->n_meshes);
     physics_add_settings(&o->laws, &t);
     if (o->model_error > 0.0)
         memory_text_add(&t, "model-error %.17g\n", o->model_error);

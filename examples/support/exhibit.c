@@ -18,18 +18,21 @@ static int larger_first(const void* a, const void* b) {
     return (*x < *y) - (*x > *y);
 }
 
-/* 1 for the cells of the body, 0 for the others, in inside [n]. The simulator has the density already, as occupancy,
- * which grows with it: the body is where the largest are, and interpolating again would take as long as all the rest.
+/* 1 for the cells of the body and 0 for the others in inside [n], and the same of all that is simulated. The simulator
+ * has the density already, as occupancy, which grows with it: the body is where the largest are, and interpolating
+ * again would take as long as all the rest.
  */
-static int find_body(const scene* s, const dqa_simulator_info* info, double* inside, int64_t n) {
+static int find_body(const scene* s, const dqa_simulator_info* info, double* inside, double* simulated, int64_t n) {
     const int64_t n_active = info->n_active_cells;
     int32_t* cells = malloc((size_t)n_active * sizeof *cells);
     double* occupancy = malloc((size_t)n_active * 2 * sizeof *occupancy);
     int outcome = cells != NULL && occupancy != NULL ? DONE : say_no_memory();
     memset(inside, 0, (size_t)n * sizeof *inside);
+    memset(simulated, 0, (size_t)n * sizeof *simulated);
     if (outcome == DONE)
         outcome = say_status(dqa_simulator_mesh(s->simulator, NULL, 0, cells, n_active, occupancy, n_active),
                              "read the cells");
+    for (int64_t c = 0; c < n_active && outcome == DONE; ++c) simulated[cells[c]] = 1.0;
     if (outcome == DONE && info->n_body_cells > 0) {
         double* sorted = occupancy + n_active;
         memcpy(sorted, occupancy, (size_t)n_active * sizeof *sorted);
@@ -44,26 +47,28 @@ static int find_body(const scene* s, const dqa_simulator_info* info, double* ins
 int exhibit_measure(exhibit* out, const scene* s, const int32_t cells[3]) {
     const int64_t n = (int64_t)cells[0] * cells[1] * cells[2];
     double* inside = malloc((size_t)n * sizeof *inside);
-    double* base = malloc((size_t)n * sizeof *base);
+    double* other = malloc((size_t)n * sizeof *other); /* what is simulated, then a base */
     dqa_simulator_info info;
-    int outcome = inside != NULL && base != NULL ? DONE : say_no_memory();
+    int outcome = inside != NULL && other != NULL ? DONE : say_no_memory();
     if (outcome == DONE)
         outcome = say_status(dqa_simulator_get_info(s->simulator, &info, sizeof info), "read the simulator");
-    if (outcome == DONE) outcome = find_body(s, &info, inside, n);
+    if (outcome == DONE) outcome = find_body(s, &info, inside, other, n);
     if (outcome == DONE) {
         out->volume = info.volume;
         out->body_cells = info.n_body_cells;
+        out->simulated_cells = info.n_active_cells;
         out->parts = census_parts(inside, cells, &out->largest);
-        if (out->parts < 0) outcome = FAILED;
+        out->parts_simulated = census_parts(other, cells, &out->largest_simulated);
+        if (out->parts < 0 || out->parts_simulated < 0) outcome = FAILED;
     }
     out->overlap = -1.0;
     for (int32_t b = 0; b < 3 && outcome == DONE; ++b) {
         if (out->weights[b] < 1.0) continue;
-        outcome = say_status(dqa_shape_space_get_base(s->space, b, base, n), "read a base");
-        if (outcome == DONE) out->overlap = census_overlap(inside, base, n);
+        outcome = say_status(dqa_shape_space_get_base(s->space, b, other, n), "read a base");
+        if (outcome == DONE) out->overlap = census_overlap(inside, other, n);
     }
     free(inside);
-    free(base);
+    free(other);
     return outcome;
 }
 

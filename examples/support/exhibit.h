@@ -9,10 +9,12 @@
 typedef struct exhibit {
     double weights[3];
     double volume;  /* m^3 */
-    double largest; /* share of its largest part */
+    double largest; /* share of its largest part, of the solid: what is more than half full */
+    double largest_simulated;
     double overlap; /* with the base that it should give back; negative: it is none */
     double seconds;
     int64_t body_cells, parts, muscle_cells;
+    int64_t simulated_cells, parts_simulated; /* of all that is simulated: the solid and the soft cells around it */
 } exhibit;
 
 /* All of the following concern the current design of the scene's simulator, which has the weights of the exhibit, three

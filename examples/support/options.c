@@ -25,13 +25,14 @@ static const char help[] =
     "Optimises the shape of a soft swimmer, interpolated between closed triangle meshes (STL, OBJ, PLY),\n"
     "together with the sine or the neural network that drives its muscles, for the distance it travels or\n"
     "another objective.\n"
-    "Without meshes it takes the shapes that come with it, on a coarser grid.\n"
+    "Without meshes it takes those that come with it, on a coarser grid.\n"
     "\n"
     "  --bases-file FILE meshes and their muscles from a list instead of the command line; see below\n"
     "  --grid NXxNYxNZ   cells of the box, each 8 to 512 (60x16x26; shipped shapes 40x12x20; quick 28x10x14)\n"
     "  --iterations N    of the optimiser (40; shipped shapes 15; quick 5)\n"
     "  --steps N         time steps of 1/30 s per rollout (100; shipped shapes 60; quick 30)\n"
-    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; sharper shapes 0.4)\n"
+    "  --sigma S         width of the interpolation's kernel in cells, 0.2 to 16 (0.7; sharper 0.4)\n"
+    "  --refinement N    mass moves between cells 1 to 4 times finer (1)\n"
     "  --schedule S      none; coarse: half the cells along each axis and loose tolerances first, which is\n"
     "                    0.5:1e-4,1:1e-6; or stages of your own, grid:tolerance or grid:tolerance:share,\n"
     "                    where share is that of the iterations (0.6 before the last). A stage also ends when\n"
@@ -41,7 +42,7 @@ static const char help[] =
     "  --objective LIST  travel, keep (its place), efficiency, effort, path, or a sum with weights like\n"
     "                    travel:1,effort:0.01; what is made smallest (travel)\n"
     "  --path FILE       of the objective path: lines of time (s) and x, y, z (m) where the centre should be\n"
-    "  --automatic-fins  meshes without given muscles also get fins where their geometry has them\n"
+    "  --automatic-fins  meshes without muscles also get fins where their geometry has them\n"
     "  --interpolation I  of muscles between the meshes: linear, or bures, the optimal transport of Gaussians "
     "(linear)\n"
     "  --material M      corotated; volume: it also resists changes of volume; neo-hookean (corotated)\n"
@@ -51,8 +52,8 @@ static const char help[] =
     "  --current X,Y,Z   velocity of the water in m/s (still water)\n"
     "  --current-file FILE  the same over time: lines of time (s) and x, y, z (m/s), straight between them\n"
     "  --threshold T     cells with more than this share of the density are simulated, 0 (all) to below 0.5 (0.02)\n"
-    "  --model-error E   the threshold instead from an error, 0 to 1: the largest one at which the estimate of what\n"
-    "                    it does to the movements of the initial design is at most E; it stays for the whole run\n"
+    "  --model-error E   instead the largest threshold, for the whole run, whose estimated error of the movements\n"
+    "                    of the initial design is at most E, 0 to 1\n"
     "  --checkpoint-mib N  memory for the record of a rollout; what does not fit is computed again (no limit)\n"
     "  --weights a,b,... initial share of each mesh; they sum to 1 (equal shares)\n"
     "  --out DIR         folder of the results (./codesign-out)\n"
@@ -156,8 +157,8 @@ static int add_mesh(options* o, const char* path) {
 
 /* What the command line said before defaults are filled in; 0 or NULL where it was silent. */
 typedef struct given {
-    const char *grid, *iterations, *steps, *weights, *threads, *sigma, *controller, *objective, *path, *checkpoint_mib,
-        *bases_file, *threshold, *model_error, *schedule, *generations, *rate;
+    const char *grid, *iterations, *steps, *weights, *threads, *sigma, *refinement, *controller, *objective, *path,
+        *checkpoint_mib, *bases_file, *threshold, *model_error, *schedule, *generations, *rate;
     physics_words laws;
 } given;
 
@@ -172,6 +173,7 @@ static const char** value_slot(given* g, options* o, const char* name, size_t le
                  {"--threads", &g->threads},
                  {"--out", &o->out},
                  {"--sigma", &g->sigma},
+                 {"--refinement", &g->refinement},
                  {"--controller", &g->controller},
                  {"--objective", &g->objective},
                  {"--path", &g->path},
@@ -241,6 +243,13 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
         if (outcome != DONE) return outcome;
     }
     return DONE;
+}
+
+static int resolve_refinement(options* o, const given* g) {
+    int64_t count = o->form->refinement > 0 && !o->quick ? o->form->refinement : 1;
+    const int outcome = g->refinement != NULL ? parse_count("--refinement", g->refinement, 1, 4, &count) : DONE;
+    o->refinement = (int32_t)count;
+    return outcome;
 }
 
 static int parse_sigma(const char* text, double* sigma) {
@@ -410,6 +419,7 @@ int options_parse(options* o, const options_form* form, int argc, char** argv, i
         outcome = parse_count("--generations", g.generations, 1, 1000000, &o->generations);
     o->sigma = p->sigma;
     if (outcome == DONE && g.sigma != NULL) outcome = parse_sigma(g.sigma, &o->sigma);
+    if (outcome == DONE) outcome = resolve_refinement(o, &g);
     if (outcome == DONE) outcome = resolve_cells(o, &g);
     if (outcome == DONE) outcome = resolve_task(o, &g);
     if (outcome == DONE) outcome = resolve_threads(o, &g);

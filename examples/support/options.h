@@ -23,6 +23,7 @@ typedef struct options {
     double tolerance;    /* of a time step; 0: the library's */
     schedule plan;       /* of coarser grids and looser tolerances */
     double sigma;        /* width of the interpolation's kernel, in cells */
+    int32_t refinement;  /* finer cells along the edge of a cell, between which it moves mass */
     int fixed_control;   /* only the weights are optimised */
     int mlp;             /* the controller is a perceptron, not a sine */
     objective loss;
@@ -62,6 +63,7 @@ typedef struct options_form {
     int fixed_control;                   /* the controller stays as it is */
     int brief;                           /* over in minutes: there is no --resume */
     int mlp;                             /* the controller is a perceptron */
+    int32_t refinement;                  /* of the interpolation, but with --quick; 0 counts as 1 */
     double network_rate;                 /* of Adam for its parameters; 0: the usual one */
     double network_scale;                /* of its first weights, relative to Glorot's; 0 counts as 1 */
     int lists; /* shipped meshes bring their lists of muscles, instead of those placed from the geometry */

@@ -7,7 +7,8 @@
 #include "options.h"
 #include "say.h"
 
-enum { NOTHING, GRID, ITERATIONS, GENERATIONS, STEPS, SIGMA, OUT }; /* the default that is named with an option */
+/* The default that is named with an option. */
+enum { NOTHING, GRID, ITERATIONS, GENERATIONS, STEPS, SIGMA, REFINEMENT, OUT };
 
 static const struct {
     const char *word, *value, *says;
@@ -21,6 +22,7 @@ static const struct {
     {"--steps", "N", "time steps", 0, STEPS},
     {"--rate", "R", "time steps per second (30)", 0, NOTHING},
     {"--sigma", "S", "width of the interpolation's kernel in cells, 0.2 to 16", 1, SIGMA},
+    {"--refinement", "N", "finer cells along a cell's edge, between which mass moves, 1 to 4", 0, REFINEMENT},
     {"--only", "LIST", "only these of the optimisations above, with commas between them", 0, NOTHING},
     {"--objective", "LIST", "what is made smallest; see codesign --help (travel)", 0, NOTHING},
     {"--current", "X,Y,Z", "velocity of the water in m/s (still; position_keeping measures it)", 0, NOTHING},
@@ -57,6 +59,8 @@ static void default_text(const options_form* form, const options_preset* p, int 
     if (which == GENERATIONS) (void)snprintf(text, size, "%" PRId64, p->generations);
     if (which == STEPS) (void)snprintf(text, size, "%" PRId64, p->steps);
     if (which == SIGMA) (void)snprintf(text, size, "%g", p->sigma);
+    if (which == REFINEMENT)
+        (void)snprintf(text, size, "%d", form->refinement > 0 && p != &form->quick ? (int)form->refinement : 1);
     if (which == OUT) (void)snprintf(text, size, "./%s", form->out);
 }
 

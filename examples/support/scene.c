@@ -66,6 +66,7 @@ static int build_space(scene* s, const options* o, progress* p) {
     settings.cells_y = o->grid[1];
     settings.cells_z = o->grid[2];
     settings.sigma = o->sigma;
+    settings.refinement = o->refinement;
     settings.threads = o->threads;
     settings.cancel = s->cancel;
     /* Looser steps need no tighter shapes: both keep the ratio of their defaults. */

@@ -30,6 +30,7 @@ void summary_settings(json* j, const options* o, const run* r, const scene* s) {
     json_integer(j, "iterations", o->iterations);
     json_integer(j, "steps", o->steps);
     json_number(j, "sigma", o->sigma);
+    json_integer(j, "refinement", o->refinement);
     write_schedule(j, o);
     json_number(j, "time_step", s->time_step);
     json_boolean(j, "fixed_control", o->fixed_control);

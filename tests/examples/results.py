@@ -69,6 +69,27 @@ def read_stl(path):
     return triangles
 
 
+def count_shells(triangles):
+    """Bodies of a closed surface: its connected parts that enclose a volume (the walls of a cavity take one away)."""
+    parent = {}
+
+    def root(corner):
+        while parent[corner] != corner:
+            parent[corner] = corner = parent[parent[corner]]
+        return corner
+
+    for triangle in triangles:
+        for corner in triangle:
+            parent.setdefault(corner, corner)
+        for corner in triangle[1:]:
+            parent[root(corner)] = root(triangle[0])
+    volumes = collections.Counter()
+    for a, b, c in triangles:
+        volumes[root(a)] += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+                             + a[2] * (b[0] * c[1] - b[1] * c[0]))
+    return sum(volume > 0.0 for volume in volumes.values())
+
+
 def read_vtu(path):
     """Arrays of an unstructured grid of triangles by name, checked for consistency."""
     root = ElementTree.parse(path).getroot()

@@ -233,6 +233,7 @@ class Resume(Scratch):
         before = results.history_without_seconds(self.reference)
         for more, word in ((["--steps", "11"], "steps"), (["--grid", "26x10x12"], "grid"),
                            (["--fixed-control"], "control"), (["--sigma", "1"], "sigma"),
+                           (["--refinement", "2"], "refinement"),
                            (["--threshold", "0.1"], "threshold"), (["--model-error", "0.1"], "model-error"),
                            (["--weights", "0.4,0.2,0.2,0.2"], "weight")):
             process = self.codesign(*SMALL, *self.MORE, "--resume", "--out", self.reference, *more)
@@ -529,6 +530,8 @@ class Refusals(Scratch):
                 self.refuse(2, option, option, text)
         for text in ("0", "0.1", "17", "nan", "wide", "0.7x"):
             self.refuse(2, "--sigma", "--sigma", text)
+        for text in ("0", "5", "-1", "1.5", "fine", ""):
+            self.refuse(2, "--refinement", "--refinement", text)
         for text in ("-0.1", "0.5", "nan", "thin", "0.1x", ""):
             self.refuse(2, "--threshold", "--threshold", text)
         for text in ("0", "1", "-0.1", "nan", "small", "0.1x", ""):
@@ -651,7 +654,7 @@ class Refusals(Scratch):
         process = self.codesign("--help")
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         for option in ("--grid", "--iterations", "--steps", "--fixed-control", "--weights", "--out", "--quick",
-                       "--resume", "--threads", "--sigma", "--controller", "--objective", "--path", "--checkpoint-mib",
+                       "--resume", "--threads", "--sigma", "--refinement", "--controller", "--objective", "--path", "--checkpoint-mib",
                        "--threshold", "--model-error", "--bases-file", "--automatic-fins", "--interpolation", "--material", "--integrator", "--planar",
                        "--current", "--current-file", "--schedule"):
             self.assertIn(option, process.stdout)

@@ -320,17 +320,40 @@ class ShapeExploration(Experiment):
         self.assertEqual(len(overlaps), 3)
         self.assertGreaterEqual(min(overlaps), 0.97)
         self.assertEqual(set(columns["parts"]), {"1"})
+        self.assertEqual(set(columns["parts_simulated"]), {"1"})
+        for shape in self.summary["shapes"]:
+            self.assertGreater(shape["simulated_cells"], shape["body_cells"])
         self.assertGreater(min(map(int, columns["muscle_cells"])), 0)
-        self.assert_shown("bases_come_back", "one_part_each")
+        self.assert_shown("bases_come_back", "one_part_each", "one_part_each_simulated")
         # Volumes between those of the bases, within what a coarse grid rounds.
         volumes = [shape["volume"] for shape in self.summary["shapes"]]
         corners = [shape["volume"] for shape in self.summary["shapes"] if max(shape["weights"]) == 1.0]
         self.assertLess(max(volumes), 1.25 * max(corners))
         self.assertGreater(min(volumes), 0.75 * min(corners))
 
+    def test_parts(self):
+        """Parts of the solid against those of the surface; mass that moves between finer cells leaves none loose."""
+        for grid, refinement in (("36x32x8", 1), ("24x22x8", 2)):
+            out = os.path.join(self.root, f"parts-{refinement}")
+            process = results.run(PROGRAM, "--grid", grid, "--refinement", refinement, "--out", out)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            summary = results.read_summary(out)
+            self.assertEqual(summary["refinement"], refinement)
+            shells = [results.count_shells(results.read_stl(os.path.join(out, f"shape_{k:02d}.stl")))
+                      for k in range(1, 16)]
+            parts = [shape["parts"] for shape in summary["shapes"]]
+            for shape, bodies in zip(summary["shapes"], shells):
+                # Cells that share no more than an edge may hang together by the surface, never the other way round.
+                self.assertLessEqual(bodies, shape["parts"])
+                self.assertEqual(shape["parts"] == 1, shape["largest_part"] == 1.0)
+            self.assertEqual(max(shells) > 1, refinement == 1)
+            self.assertEqual(max(parts) > 1, refinement == 1)
+            self.assertEqual(summary["claims"]["one_part_each"],
+                             {"shown": refinement == 2, "value": max(parts), "equals": 1})
+
     def test_lists(self):
         """The shipped lists in one file of the user's own are what the program takes itself, and are scaled."""
-        tiny = ["--grid", "24x22x8", "--out"]
+        tiny = ["--grid", "24x22x8", "--refinement", "1", "--out"]
         text = ""
         for shape in self.summary["bases"]:
             with open(os.path.join(SHAPES, shape + ".txt"), encoding="utf-8") as stream:
