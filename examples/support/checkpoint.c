@@ -16,7 +16,7 @@
 #include "say.h"
 #include "sealed_text.h"
 
-#define MAGIC "codesign checkpoint 5\n"
+#define MAGIC "codesign checkpoint 6\n"
 
 char* checkpoint_settings(const options* o) {
     memory_text t;
@@ -119,12 +119,13 @@ int checkpoint_save(const run* r, const char* settings, const char* folder) {
     put_proof(&t, "proof-control", &r->proof_control);
     for (int64_t k = 0; k < r->iteration; ++k) {
         const history_row* row = &r->rows[k];
-        const double numbers[5] = {row->loss, row->gradient_weights, row->gradient_control, row->seconds,
-                                   row->cpu_seconds};
+        const double numbers[7] = {row->loss,    row->gradient_weights, row->gradient_control,
+                                   row->seconds, row->cpu_seconds,      row->place,
+                                   row->heading};
         memory_text_add(&t, "row %" PRId64 " %d %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64, row->iteration,
                         (int)row->stage, row->simulations, row->newton_iterations, row->linear_iterations,
                         row->adjoint_iterations);
-        put_numbers(&t, "", numbers, 5);
+        put_numbers(&t, "", numbers, 7);
         put_numbers(&t, "terms", row->terms, OBJECTIVE_KINDS);
         put_numbers(&t, "at", r->row_x + k * r->n, r->n);
     }
@@ -213,7 +214,7 @@ static int parse_state(run* r, const char* text) {
     next_proof(&c, "proof-weights", &r->proof_weights);
     next_proof(&c, "proof-control", &r->proof_control);
     for (r->iteration = 0; r->iteration < rows && !c.bad; ++r->iteration) {
-        double numbers[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+        double numbers[7] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
         history_row* row;
         if (run_reserve(r) != DONE) return FAILED;
         row = &r->rows[r->iteration];
@@ -224,12 +225,14 @@ static int parse_state(run* r, const char* text) {
         row->newton_iterations = next_integer(&c);
         row->linear_iterations = next_integer(&c);
         row->adjoint_iterations = next_integer(&c);
-        next_numbers(&c, numbers, 5);
+        next_numbers(&c, numbers, 7);
         row->loss = numbers[0];
         row->gradient_weights = numbers[1];
         row->gradient_control = numbers[2];
         row->seconds = numbers[3];
         row->cpu_seconds = numbers[4];
+        row->place = numbers[5];
+        row->heading = numbers[6];
         named_numbers(&c, "terms", row->terms, OBJECTIVE_KINDS);
         named_numbers(&c, "at", r->row_x + r->iteration * r->n, r->n);
     }

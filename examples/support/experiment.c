@@ -25,6 +25,33 @@ void experiment_claim_add(experiment* e, const char* name, const char* says, dou
     }
 }
 
+/* ------------------------------------------------------------------ the stage before the trials */
+static int64_t stage_units(const experiment* e) {
+    return e->plan->stage != NULL ? trial_units(e->plan->stage, &e->stage_o, POPULATION) : 0;
+}
+
+/* The stage, from its checkpoint if there is one; the scene then has the task of the trials. */
+static int run_stage(experiment* e) {
+    static const double still[3] = {0.0, 0.0, 0.0};
+    const experiment_plan* plan = e->plan;
+    trial* t = &e->stage;
+    const int64_t most = stage_units(e);
+    int outcome = scene_take_task(&e->s, &e->stage_o);
+    if (outcome == DONE) outcome = scene_set_current(&e->s, still);
+    if (outcome != DONE) return outcome;
+    plan->stage_task(&e->s);
+    outcome = trial_open(t, plan->stage, &e->stage_o, &e->s, plan->theta, NULL);
+    e->has_stage = 1;
+    if (outcome != DONE) return outcome;
+    progress_part(&e->p, 1, e->n_asked + 1, most, (double)e->o.steps / (double)e->stage_o.steps);
+    e->p.part_name = t->plan->name;
+    e->p.iteration = trial_simulations(t);
+    outcome = trial_run(t, &e->s, &e->p, 0, 0);
+    e->p.iterations += t->r.iteration - e->p.part_end;
+    if (outcome == DONE) outcome = scene_take_task(&e->s, &e->o);
+    return outcome == DONE ? scene_set_current(&e->s, e->o.laws.current) : outcome;
+}
+
 /* ------------------------------------------------------------------ trials */
 /* Cost of a later simulation, relative to one of trial k. */
 static double later_cost(const experiment* e, int k) {
@@ -61,16 +88,18 @@ static int choose_trials(experiment* e) {
 }
 
 static int run_trials(experiment* e) {
-    int64_t before = 0;
+    const int first = e->has_stage ? 2 : 1; /* number of the first trial for the progress */
+    const double* network = e->has_stage ? e->stage.r.best_x + e->s.n_weights : NULL;
+    int64_t before = e->has_stage ? e->stage.r.iteration : 0;
     int outcome = DONE;
     for (int k = 0; k < e->n_asked && outcome == DONE; ++k) {
-        outcome = trial_open(&e->trials[k], e->asked[k], &e->o, &e->s, e->plan->theta);
+        outcome = trial_open(&e->trials[k], e->asked[k], &e->o, &e->s, e->plan->theta, network);
         e->n_trials = k + 1;
     }
     for (int k = 0; k < e->n_asked && outcome == DONE; ++k) {
         trial* t = &e->trials[k];
         const int64_t most = trial_units(t->plan, &e->o, POPULATION);
-        progress_part(&e->p, k + 1, e->n_asked, before + most, later_cost(e, k));
+        progress_part(&e->p, k + first, e->n_asked + first - 1, before + most, later_cost(e, k));
         e->p.part_name = t->plan->name;
         e->p.iteration = before + trial_simulations(t);
         if (t->plan->cma_es) e->p.seconds[PROGRESS_BACKWARD] = 0.0;
@@ -83,21 +112,27 @@ static int run_trials(experiment* e) {
 }
 
 /* ------------------------------------------------------------------ results */
+static void list_trial(const trial* t) {
+    const run* r = &t->r;
+    printf("%-18s loss %9.6f -> %9.6f%s, %5lld simulations, %7.1f s; design", t->plan->name, r->rows[0].loss,
+           r->best_loss, objective_is_travel(r->loss) ? " m" : "", (long long)trial_simulations(t), r->cpu_before);
+    for (int64_t i = 0; i < r->n_weights; ++i) printf(" %.3f", r->best_x[i]);
+    if (!r->mlp) printf(", a %.3f", r->best_x[r->n_weights]);
+    if (objective_keeps(r->loss))
+        printf("; place %.4f, heading %.3f", r->rows[r->best_iteration - 1].place,
+               r->rows[r->best_iteration - 1].heading);
+    putchar('\n');
+}
+
 static void list(const experiment* e, int drawn) {
     const char* out = e->o.out;
-    for (int k = 0; k < e->n_trials; ++k) {
-        const run* r = &e->trials[k].r;
-        printf("%-18s loss %9.6f -> %9.6f%s, %5lld simulations, %7.1f s; design", e->trials[k].plan->name,
-               r->rows[0].loss, r->best_loss, objective_is_travel(r->loss) ? " m" : "",
-               (long long)trial_simulations(&e->trials[k]), r->cpu_before);
-        for (int64_t i = 0; i < r->n_weights; ++i) printf(" %.3f", r->best_x[i]);
-        if (!r->mlp) printf(", a %.3f", r->best_x[r->n_weights]);
-        putchar('\n');
-    }
+    if (e->has_stage) list_trial(&e->stage);
+    for (int k = 0; k < e->n_trials; ++k) list_trial(&e->trials[k]);
     findings_print(e->claims, e->n_claims);
     printf("Files:\n  %s/%s  (opens in any browser)\n", out, REPORT_FILE);
     if (drawn) printf("  %s/%s  (made by %s)\n", out, e->plan->picture, e->plan->script);
     printf("  %s/%s\n", out, SUMMARY_FILE);
+    if (e->has_stage) printf("  %s/%s/history.csv\n", out, e->stage.plan->name);
     for (int k = 0; k < e->n_trials; ++k) printf("  %s/%s/history.csv\n", out, e->trials[k].plan->name);
     printf("  %s/swimmer.pvd\n  %s/%s\n  %s/%s\n", out, out, DESIGN_FILE, out, CONTROLLER_FILE);
 }
@@ -132,7 +167,7 @@ static int write_results(experiment* e, int* drawn) {
 
 /* ------------------------------------------------------------------ all of it */
 static int prepare(experiment* e, int* created) {
-    int found = 0, outcome;
+    int found = e->plan->stage != NULL && trial_exists(e->plan->stage, e->o.out), outcome;
     for (int k = 0; k < e->plan->n_trials; ++k) found = found || trial_exists(&e->plan->trials[k], e->o.out);
     if (e->o.resume && !found) {
         say("there is no checkpoint in %s to resume from; start without --resume", e->o.out);
@@ -147,11 +182,12 @@ static int prepare(experiment* e, int* created) {
 }
 
 static int work(experiment* e) {
-    int64_t units = 0;
+    int64_t units = stage_units(e);
     int outcome, drawn = 0;
     for (int k = 0; k < e->n_asked; ++k) units += trial_units(e->asked[k], &e->o, POPULATION);
     progress_begin(&e->p, units, 2);
     outcome = scene_create(&e->s, &e->o, &e->p);
+    if (outcome == DONE && e->plan->stage != NULL) outcome = run_stage(e);
     if (outcome == DONE && e->plan->before != NULL) outcome = e->plan->before(e);
     if (outcome == DONE) outcome = run_trials(e);
     if (outcome == DONE) outcome = write_results(e, &drawn);
@@ -164,12 +200,15 @@ static int work(experiment* e) {
     return outcome;
 }
 
+static void remove_empty_folder(const experiment* e, const trial_plan* plan) {
+    char* folder = output_path(e->o.out, plan->name);
+    if (folder != NULL) (void)rmdir(folder);
+    free(folder);
+}
+
 static void remove_empty_folders(const experiment* e) {
-    for (int k = 0; k < e->plan->n_trials; ++k) {
-        char* folder = output_path(e->o.out, e->plan->trials[k].name);
-        if (folder != NULL) (void)rmdir(folder);
-        free(folder);
-    }
+    if (e->plan->stage != NULL) remove_empty_folder(e, e->plan->stage);
+    for (int k = 0; k < e->plan->n_trials; ++k) remove_empty_folder(e, &e->plan->trials[k]);
     (void)rmdir(e->o.out);
 }
 
@@ -188,12 +227,15 @@ int experiment_main(const experiment_plan* plan, int argc, char** argv) {
     if (outcome == DONE && action == OPTIONS_RUN) {
         e->command = options_command(argc, argv);
         outcome = e->command != NULL ? choose_trials(e) : FAILED;
+        e->stage_o = e->o;
+        if (plan->stage != NULL) plan->stage_options(&e->stage_o);
         if (outcome == DONE) outcome = prepare(e, &created);
         if (outcome == DONE) outcome = work(e);
         if (outcome == INTERRUPTED) {
             say("interrupted after %lld simulations", (long long)e->p.iteration);
-            if (e->n_trials > 0) options_say_resume(argc, argv);
+            if (e->has_stage || e->n_trials > 0) options_say_resume(argc, argv);
         }
+        if (e->has_stage) trial_free(&e->stage);
         for (int k = 0; k < e->n_trials; ++k) trial_free(&e->trials[k]);
         scene_free(&e->s);
         /* Folders that were made for nothing go again. */

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "findings.h"
+#include "json.h"
 #include "motion.h"
 #include "options.h"
 #include "progress.h"
@@ -26,6 +27,10 @@ typedef struct experiment {
     progress p;
     const trial_plan* asked[EXPERIMENT_MAX_TRIALS]; /* those of the plan that --only names, or all */
     int n_asked;
+    trial stage;        /* of the plan, before the trials */
+    options stage_o;    /* of the stage; borrows from o */
+    int has_stage;      /* it is open */
+    double measured[2]; /* by plan->before, for plan->tell: what the program makes of them */
     trial trials[EXPERIMENT_MAX_TRIALS];
     int n_trials; /* that are open */
     int shown;    /* trial whose swimmers are shown */
@@ -43,8 +48,16 @@ typedef struct experiment_plan {
     int shown; /* trial whose first and best swimmers the picture and the report show, or the first that runs */
     const char *first_label, *best_label;
     const char* crowd; /* what the curves of all trials but the first are called where they are many */
-    /* What comes before the trials, in the finished scene; NULL: nothing. DONE, FAILED (said) or INTERRUPTED. */
+    /* An optimisation in still water before the trials, which begin with its best network; NULL: none. stage_options
+     * turns the options of the experiment into its own, and stage_task the loss in the scene. */
+    const trial_plan* stage;
+    void (*stage_options)(options* o);
+    void (*stage_task)(scene* s);
+    /* What comes before the trials, in the finished scene and after the stage; NULL: nothing. DONE, FAILED (said) or
+     * INTERRUPTED. */
     int (*before)(experiment* e);
+    /* Adds to summary.json what the program found before the trials; NULL: nothing. */
+    void (*tell)(const experiment* e, json* j);
     /* Appends the claims of the finished trials. */
     void (*claim)(experiment* e);
     /* Writes the curves of the picture: gnuplot commands after plot_head. */

@@ -56,6 +56,12 @@ int experiment_summary(const experiment* e) {
     findings_write(&j, e->claims, e->n_claims);
     json_number(&j, "seconds", seconds);
     json_number(&j, "cpu_seconds", cpu_seconds);
+    if (e->has_stage) {
+        json_open(&j, "stage", '{');
+        write_trial(&j, &e->stage);
+        json_close(&j, '}');
+    }
+    if (e->plan->tell != NULL) e->plan->tell(e, &j);
     json_open(&j, "bases", '[');
     for (int64_t i = 0; i < t->r.n_weights; ++i)
         json_string(&j, NULL, dqa_shape_space_base_name(e->s.space, (int32_t)i));

@@ -32,6 +32,7 @@ static void header(FILE* stream, const run* r, const dqa_shape_space* space) {
         stream);
     for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
         fprintf(stream, ",%s", objective_name(r->loss->kinds[k]));
+    if (objective_keeps(r->loss)) fputs(",place,heading", stream);
     fputs("\n", stream);
 }
 
@@ -50,6 +51,7 @@ int history_write(const run* r, const dqa_shape_space* space, const char* folder
                 (long long)row->simulations);
         for (int32_t t = 0; t < r->loss->n_terms && r->loss->n_terms > 1; ++t)
             fprintf(file.stream, ",%.17g", row->terms[t]);
+        if (objective_keeps(r->loss)) fprintf(file.stream, ",%.17g,%.17g", row->place, row->heading);
         fputs("\n", file.stream);
     }
     return output_commit(&file);

@@ -14,6 +14,12 @@ const char* objective_name(int32_t kind) {
     return names[kind];
 }
 
+int objective_keeps(const objective* o) {
+    int keeps = 0;
+    for (int32_t k = 0; k < o->n_terms; ++k) keeps = keeps || o->kinds[k] == DQA_OBJECTIVE_POSITION_KEEPING;
+    return keeps;
+}
+
 int objective_is_travel(const objective* o) {
     return o->n_terms == 1 && o->kinds[0] == DQA_OBJECTIVE_TRAVEL && o->weights[0] == 1.0;
 }

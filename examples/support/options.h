@@ -65,6 +65,7 @@ typedef struct options_form {
     int mlp;                             /* the controller is a perceptron */
     int32_t refinement;                  /* of the interpolation, but with --quick; 0 counts as 1 */
     double network_rate;                 /* of Adam for its parameters; 0: the usual one */
+    double weights_rate;                 /* of Adam for the weights of the bases; 0: the usual one */
     double network_scale;                /* of its first weights, relative to Glorot's; 0 counts as 1 */
     int lists; /* shipped meshes bring their lists of muscles, instead of those placed from the geometry */
 } options_form;

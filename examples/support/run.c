@@ -22,6 +22,7 @@ static double* new_numbers(int64_t n) {
 
 int run_create(run* r, const options* o, int64_t n_weights, const double* theta, int64_t n_control, double omega0) {
     const double network_rate = o->form->network_rate > 0.0 ? o->form->network_rate : RATE_MLP;
+    const double weights_rate = o->form->weights_rate > 0.0 ? o->form->weights_rate : RATE;
     memset(r, 0, sizeof *r);
     r->n_weights = n_weights;
     r->n_control = n_control;
@@ -45,7 +46,7 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     }
     memcpy(r->x, o->weights, (size_t)n_weights * sizeof(double));
     memcpy(r->x + n_weights, theta, (size_t)n_control * sizeof(double));
-    for (int64_t i = 0; i < n_weights; ++i) r->rates[i] = RATE;
+    for (int64_t i = 0; i < n_weights; ++i) r->rates[i] = weights_rate;
     for (int64_t i = 0; i < r->n; ++i)
         r->units[i] = !r->mlp && i >= n_weights && (i - n_weights) % 3 == 1 ? omega0 : 1.0;
     for (int64_t i = 0; i < n_control; ++i)

@@ -118,7 +118,6 @@ static int build_simulator(scene* s, const options* o) {
         outcome = say_status(dqa_simulator_options_init(&settings, sizeof settings), "set up the simulator");
     if (outcome != DONE) return outcome;
     s->n_weights = info.n_bases;
-    s->steps = o->steps;
     s->network_scale = o->form->network_scale > 0.0 ? o->form->network_scale : 1.0;
     settings.time_step = s->time_step = 1.0 / (double)o->rate;
     settings.threads = o->threads;
@@ -135,9 +134,8 @@ static int build_simulator(scene* s, const options* o) {
     if (outcome == DONE) outcome = say_status(dqa_tape_options_init(&record, sizeof record), "set up the tape");
     if (outcome != DONE) return outcome;
     record.memory_bytes = o->checkpoint_mib * 1024 * 1024;
-    s->n_terms = o->loss.n_terms;
     outcome = say_status(dqa_tape_create(s->simulator, &record, &s->tape), "create the tape");
-    return outcome == DONE ? objective_terms(&o->loss, s->terms) : outcome;
+    return outcome == DONE ? scene_take_task(s, o) : outcome;
 }
 
 int scene_create(scene* s, const options* o, progress* p) {
@@ -180,6 +178,12 @@ int scene_use_network(scene* s, int temporal_encoding) {
     dqa_controller_free(s->controller);
     s->controller = network;
     return DONE;
+}
+
+int scene_take_task(scene* s, const options* o) {
+    s->steps = o->steps;
+    s->n_terms = o->loss.n_terms;
+    return objective_terms(&o->loss, s->terms);
 }
 
 int scene_set_current(scene* s, const double velocity[3]) {
@@ -267,7 +271,17 @@ static double norm(const double* x, int64_t n) {
 }
 
 static int loss_of(scene* s, history_row* row) {
-    return say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
+    int outcome =
+        say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
+    for (int32_t k = 0; k < s->n_terms && outcome == DONE; ++k) {
+        dqa_objective_term place = s->terms[k];
+        if (place.kind != DQA_OBJECTIVE_POSITION_KEEPING || place.gamma == 0.0) continue;
+        place.weight = 1.0;
+        place.gamma = 0.0;
+        outcome = say_status(dqa_tape_objective(s->tape, &place, 1, &row->place, NULL), "evaluate the loss");
+        row->heading = (row->place - row->terms[k]) / s->terms[k].gamma;
+    }
+    return outcome;
 }
 
 int scene_try(scene* s, const double* x, history_row* row, progress* p) {

@@ -36,6 +36,8 @@ void scene_free(scene* s);
 /* Makes a network the controller, with the temporal encoding among its inputs or without, and with its first
  * parameters. */
 int scene_use_network(scene* s, int temporal_encoding);
+/* Steps and loss of these options from here on. */
+int scene_take_task(scene* s, const options* o);
 /* The water flows with this velocity (m/s) from here on. */
 int scene_set_current(scene* s, const double velocity[3]);
 /* Makes x = (weights, controller parameters) the current design, at rest. */

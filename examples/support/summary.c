@@ -86,6 +86,10 @@ void summary_design(json* j, const char* key, const run* r, int64_t iteration) {
     json_number(j, "loss", r->rows[iteration - 1].loss);
     for (int32_t k = 0; k < r->loss->n_terms && r->loss->n_terms > 1; ++k)
         json_number(j, objective_name(r->loss->kinds[k]), r->rows[iteration - 1].terms[k]);
+    if (objective_keeps(r->loss)) {
+        json_number(j, "place", r->rows[iteration - 1].place);
+        json_number(j, "heading", r->rows[iteration - 1].heading);
+    }
     summary_numbers(j, "weights", x, r->n_weights);
     summary_numbers(j, "control", x + r->n_weights, r->n_control);
     json_close(j, '}');

@@ -8,6 +8,7 @@
 
 #include "checkpoint.h"
 #include "evolution.h"
+#include "hash.h"
 #include "interrupt.h"
 #include "memory_text.h"
 #include "output.h"
@@ -29,7 +30,8 @@ int64_t trial_units(const trial_plan* plan, const options* o, int64_t population
 }
 
 /* What the checkpoint belongs to: the scene, its first design, and the method. */
-static char* settings_of(const trial_plan* plan, const options* o, const double* theta) {
+static char* settings_of(const trial_plan* plan, const options* o, const scene* s, const double* theta,
+                         const double* network) {
     char* common = checkpoint_settings(o);
     memory_text t;
     if (common == NULL) return NULL;
@@ -37,6 +39,9 @@ static char* settings_of(const trial_plan* plan, const options* o, const double*
     memory_text_add(&t, "%strial %s of %s: moves %d, %s, from %.17g %.17g %.17g%s\n", common, plan->name,
                     o->form->program, plan->moves, plan->cma_es ? "cma-es" : "adam", theta[0], theta[1], theta[2],
                     plan->no_encoding ? ", without encoding" : "");
+    if (network != NULL)
+        memory_text_add(&t, "network %016llx\n",
+                        (unsigned long long)hash_bytes(network, (size_t)s->n_control * sizeof *network));
     free(common);
     if (t.failed) {
         memory_text_end(&t);
@@ -46,18 +51,22 @@ static char* settings_of(const trial_plan* plan, const options* o, const double*
     return t.text;
 }
 
-static int create_run(trial* t, const scene* s, const double* theta) {
+static int create_run(trial* t, const scene* s, const double* theta, const double* network) {
     double* start = malloc((size_t)s->n_control * sizeof *start);
     int outcome = DONE;
     if (start == NULL) return say_no_memory();
     for (int64_t i = 0; i < s->n_control; ++i) start[i] = theta[i % 3];
-    if (t->o.mlp)
+    if (network != NULL)
+        memcpy(start, network, (size_t)s->n_control * sizeof *start);
+    else if (t->o.mlp)
         outcome = say_status(dqa_controller_get_parameters(s->controller, start, s->n_control), "read the controller");
     if (outcome == DONE) outcome = run_create(&t->r, &t->o, s->n_weights, start, s->n_control, SCENE_OMEGA0);
     free(start);
     if (outcome != DONE) return outcome;
     t->has_run = 1;
     t->r.moves = t->plan->moves;
+    for (int64_t i = 0; i < s->n_control && t->o.mlp && t->plan->network_rate > 0.0; ++i)
+        t->r.rates[s->n_weights + i] = t->plan->network_rate;
     return DONE;
 }
 
@@ -65,18 +74,20 @@ int trial_enter(const trial* t, scene* s) {
     return t->o.mlp ? scene_use_network(s, !t->plan->no_encoding) : DONE;
 }
 
-int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta) {
+int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta,
+               const double* network) {
     int outcome, created = 0;
     memset(t, 0, sizeof *t);
     t->plan = plan;
     t->o = *o;
     if (plan->weights != NULL) memcpy(t->o.weights, plan->weights, (size_t)s->n_weights * sizeof(double));
+    outcome = trial_enter(t, s);
+    if (outcome != DONE) return outcome;
     t->folder = output_path(o->out, plan->name);
-    t->settings = settings_of(plan, &t->o, theta);
+    t->settings = settings_of(plan, &t->o, s, theta, network);
     if (t->folder == NULL || t->settings == NULL) return FAILED;
     outcome = output_folder(t->folder, &created);
-    if (outcome == DONE) outcome = trial_enter(t, s);
-    if (outcome == DONE) outcome = create_run(t, s, theta);
+    if (outcome == DONE) outcome = create_run(t, s, theta, network);
     if (outcome == DONE && o->resume && checkpoint_exists(t->folder)) {
         outcome = checkpoint_load(&t->r, t->settings, t->folder);
         if (outcome == DONE) say("%s continues after iteration %lld", plan->name, (long long)t->r.iteration);

@@ -14,6 +14,7 @@ typedef struct trial_plan {
     int64_t times;         /* as many iterations as the command line says, times this; 0 counts as 1 */
     const double* weights; /* first design [bases]; NULL: that of the command line */
     int no_encoding;       /* the network has no temporal encoding among its inputs */
+    double network_rate;   /* of Adam for a network's parameters; 0: that of the form */
 } trial_plan;
 
 typedef struct trial {
@@ -31,9 +32,10 @@ int trial_exists(const trial_plan* plan, const char* out);
 /* What progress counts of it at most: simulations. */
 int64_t trial_units(const trial_plan* plan, const options* o, int64_t population);
 /* Sets the trial up with its folder, at its beginning or, with --resume, where its checkpoint left it. theta [3]: a,
- * omega, phi of every signal at the start; a network starts with the parameters that the library gives it. DONE, USAGE
- * or FAILED (said). */
-int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta);
+ * omega, phi of every signal at the start; a network starts with the parameters `network` [n_control], or where they
+ * are NULL with those that the library gives it. DONE, USAGE or FAILED (said). */
+int trial_open(trial* t, const trial_plan* plan, const options* o, scene* s, const double* theta,
+               const double* network);
 /* Gives the scene the controller of the trial. */
 int trial_enter(const trial* t, scene* s);
 /* Optimises; `before`: units of other trials that progress counts. `proves`: the gradient first. DONE, FAILED (said) or

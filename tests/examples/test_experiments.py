@@ -25,7 +25,7 @@ TINY = {"open_loop": ["--grid", "24x8x8", "--steps", "3", "--iterations", "2", "
         "pareto": ["--quick", "--grid", "20x8x8", "--steps", "3", "--iterations", "2"],
          "ablations": ["--grid", "20x8x8", "--steps", "2", "--iterations", "2"],
          "closed_loop": ["--grid", "24x20x8", "--steps", "3", "--iterations", "2"],
-         "position_keeping": ["--grid", "20x8x10", "--steps", "3", "--iterations", "2"]}
+         "position_keeping": ["--quick", "--grid", "20x8x10", "--steps", "3", "--iterations", "2"]}
 
 
 def name():
@@ -134,7 +134,7 @@ class Trials(Experiment):
 
     def histories(self, folder):
         found = sorted(glob.glob(os.path.join(folder, "*", "history.csv")))
-        self.assertEqual(len(found), len(self.summary["trials"]))
+        self.assertEqual(len(found), len(self.summary["trials"]) + len(self.summary.get("stage", {})))
         return [results.history_without_seconds(os.path.dirname(path)) for path in found]
 
     def interrupt(self, out, sent, trial):
@@ -300,14 +300,38 @@ class PositionKeeping(Networks):
         self.assertEqual(len(self.summary["trials"]), 13)
 
     def test_water_flows_at_the_head(self):
-        current = self.summary["settings"]["current"]
-        self.assertLess(current[0], 0.0)
-        self.assertEqual(current[1:], [0.0, 0.0])
+        told = self.summary["free_swimming"]
+        self.assertEqual(self.summary["settings"]["current"], [-0.5 * abs(told["speed"]), 0.0, 0.0])
         speed = float(re.search(r"swims at ([-0-9.e]+) mm/s in still water", self.process.stderr).group(1))
-        self.assertAlmostEqual(current[0], -0.5e-3 * abs(speed), delta=1e-3 * abs(current[0]))
+        self.assertAlmostEqual(told["speed"], 1e-3 * speed, delta=1e-3 * abs(told["speed"]))
+        out = os.path.join(self.root, "given")
+        process = results.run(PROGRAM, *TINY[name()], "--out", out, "--only", "ours", "--current=-0.05,0.01,0")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(results.read_summary(out)["settings"]["current"], [-0.05, 0.01, 0.0])
+
+    def test_network_has_learned_to_swim(self):
+        """The first stage is worth its time, and all begin with its network."""
+        told, stage = self.summary["free_swimming"], self.summary["stage"]["free_swimming"]
+        names, rows = results.read_history(os.path.join(self.out, "free_swimming"))
+        losses = [float(row[names.index("loss")]) for row in rows]
+        self.assertEqual(told["iterations"], len(rows))
+        self.assertEqual(stage["loss_best"], min(losses))
+        self.assertLess(min(losses), losses[0])
+        self.assertGreater(told["speed"], 2.0 * abs(told["speed_under_sine"]))
+        self.assertEqual(len(set(stage["best"]["weights"])), 1)
+        for trial in self.summary["trials"].values():
+            self.assertEqual(trial["first"]["control"], stage["best"]["control"])
+
+    def test_terms_of_the_loss(self):
+        for trial in self.summary["trials"]:
+            columns, told = self.trial(trial)
+            for loss, place, heading in zip(columns["loss"], columns["place"], columns["heading"]):
+                self.assertAlmostEqual(loss, place - 0.01 * heading, delta=1e-9)
+                self.assertGreater(place, 0.0)
+            self.assertEqual(told["first"]["place"], columns["place"][0])
 
     def test_resume(self):
-        self.check_resume(["submarine"])
+        self.check_resume(["free_swimming", "submarine"])
 
 
 class ShapeExploration(Experiment):
