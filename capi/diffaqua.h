@@ -139,9 +139,10 @@ typedef struct dqa_shape_space_options {
     int32_t automatic_fins;  /* 1: bases without any actuator also get fins where their geometry has them; default 0 */
     int64_t refinement;      /* in [1, 4]: each cell is cut into as many along every axis, mass moves between those, and the
                                 density of a cell is their sum; sigma still counts whole cells. A kernel narrower than
-                                about half the edge of the cells between which mass moves makes a comb of a body that is
-                                stretched, and thin parts of shapes between the bases come loose: 2 mends that at the
-                                default width. Time and memory grow with its power of dims; default 1 */
+                                about 0.7 of the edge of the cells between which mass moves makes a comb of a body that
+                                is stretched, and thin parts of shapes between the bases come loose: 2 leaves hardly any
+                                of that at the default width. Time and memory grow with its power of dims; `subsamples`
+                                is rounded up to a multiple of it; default 1 */
 } dqa_shape_space_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */
@@ -345,8 +346,9 @@ typedef struct dqa_simulator_options {
     double tolerance;            /* force residual relative to the forces (to the rounding of positions where forces
                                     vanish) at which a step stops; default 1e-6 */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: `tolerance`
-                                    in rollouts of up to 100 steps, and in longer ones so much less that what is left
-                                    does not add up; smaller ones do not make gradients more accurate */
+                                    on a tape of up to 100 steps, and on a longer one so much less that what is left does
+                                    not add up; smaller ones do not make gradients more accurate. With a loose
+                                    `tolerance`, or a rollout in many short tapes, give one */
     double water_density;        /* kg/m^3, > 0; default 1000 */
     double current[3];           /* m/s: velocity of the water; in two dimensions [2] must be 0; default 0 */
     double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must

@@ -59,7 +59,8 @@ static const char about[] =
     "still water. In water that flows at the head half as fast as that swimmer (unless --current says otherwise) it\n"
     "then co-optimises shape and perceptron to keep place and heading (ours), and the perceptron alone for each of\n"
     "the twelve (great_white, hammerhead, thresher, whale_shark, goldfish_common, goldfish_comet, goldfish_fantail,\n"
-    "goldfish_ryukin, goldfish_oranda, goldfish_ranchu, goldfish_telescope, submarine).\n";
+    "goldfish_ryukin, goldfish_oranda, goldfish_ranchu, goldfish_telescope, submarine). --iterations and --steps are\n"
+    "those of the second stage; the first takes 30 iterations of 100 steps.\n";
 
 static const char* const words[] = {"--iterations", "--steps", "--current", "--only", NULL};
 
@@ -177,7 +178,7 @@ static void claim(experiment* e) {
 
 static void curves(const experiment* e, FILE* f) {
     fputs("set xlabel 'iteration' offset 0,0.5\n", f);
-    plot_panel(f, "Loss: sum of the distances from the place (m)", 0.075, 0.31);
+    plot_panel(f, "Loss: distances from the place less heading (m)", 0.075, 0.31);
     experiment_curves(e, f, "1", 2, 0);
     plot_panel(f, "Share of each base shape", 0.385, 0.64);
     experiment_shares(e, f);

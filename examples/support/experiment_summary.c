@@ -39,7 +39,8 @@ int experiment_summary(const experiment* e) {
     dqa_simulator_info info;
     output_file file;
     json j;
-    double seconds = 0.0, cpu_seconds = 0.0;
+    double seconds = e->has_stage ? e->stage.r.seconds : 0.0;
+    double cpu_seconds = e->has_stage ? e->stage.r.cpu_before : 0.0;
     int outcome = say_status(dqa_simulator_get_info(e->s.simulator, &info, sizeof info), "read the simulator");
     if (outcome == DONE) outcome = output_open(&file, e->o.out, SUMMARY_FILE);
     if (outcome != DONE) return outcome;
@@ -57,7 +58,7 @@ int experiment_summary(const experiment* e) {
     json_number(&j, "seconds", seconds);
     json_number(&j, "cpu_seconds", cpu_seconds);
     if (e->has_stage) {
-        json_open(&j, "stage", '{');
+        json_open(&j, "before", '{');
         write_trial(&j, &e->stage);
         json_close(&j, '}');
     }

@@ -23,8 +23,8 @@ void objective_free(objective* o);
 int objective_terms(const objective* o, dqa_objective_term* terms);
 /* "travel", "keep", ... */
 const char* objective_name(int32_t kind);
-/* 1 when the loss has the term `keep`: the sum of the distances from a place, less a share of the heading, the sum of
- * how far the head is ahead of the tail. */
+/* 1 when the loss has the term `keep`: the sum of the distances (along each axis, smoothed by epsilon) from a place,
+ * less a share of the heading, the sum of how far the head is ahead of the tail. */
 int objective_keeps(const objective* o);
 /* 1 when the loss is minus the distance travelled and nothing else. */
 int objective_is_travel(const objective* o);

@@ -13,7 +13,7 @@ typedef struct history_row {
     int64_t iteration;                         /* counts from 1 */
     double loss;                               /* travel alone: m */
     double terms[OBJECTIVE_KINDS];             /* of the loss, without their weights */
-    double place, heading;                     /* sums (m) that its term `keep` is made of: objective_keeps */
+    double place, heading;                     /* smoothed sums (m) that its term `keep` is made of: objective_keeps */
     double gradient_weights, gradient_control; /* 2-norms */
     double seconds;
     double cpu_seconds;  /* of all threads since the start of the run, interrupted sessions included */

@@ -275,11 +275,12 @@ static int loss_of(scene* s, history_row* row) {
         say_status(dqa_tape_objective(s->tape, s->terms, s->n_terms, &row->loss, row->terms), "evaluate the loss");
     for (int32_t k = 0; k < s->n_terms && outcome == DONE; ++k) {
         dqa_objective_term place = s->terms[k];
-        if (place.kind != DQA_OBJECTIVE_POSITION_KEEPING || place.gamma == 0.0) continue;
+        if (place.kind != DQA_OBJECTIVE_POSITION_KEEPING) continue;
         place.weight = 1.0;
         place.gamma = 0.0;
         outcome = say_status(dqa_tape_objective(s->tape, &place, 1, &row->place, NULL), "evaluate the loss");
-        row->heading = (row->place - row->terms[k]) / s->terms[k].gamma;
+        /* Without a share of it the heading is not known; 0. */
+        if (s->terms[k].gamma != 0.0) row->heading = (row->place - row->terms[k]) / s->terms[k].gamma;
     }
     return outcome;
 }

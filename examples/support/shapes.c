@@ -11,7 +11,8 @@
 #include "say.h"
 
 /* Two ways to be an eel, a shark and a goldfish: different enough that the optimiser has a choice, and swimmers all of
- * them. Stiffer hulls (tuna, clownfish) hardly swim by one muscle, and a mixture with much of them is a local optimum. */
+ * them. Stiffer hulls (tuna, clownfish) hardly swim by one muscle, and a mixture with much of them is a local optimum.
+ */
 static const char* const names[] = {"eel_vertical.stl", "eel_horizontal.stl", "hammerhead.stl", "goldfish_comet.stl"};
 
 const char* const shapes_twelve[] = {"great_white.stl",

@@ -51,7 +51,7 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
                 double* out = cache + (static_cast<long>(block) * 8 + g) * 3 * kBlock + lane;
                 const V inv = 1.0 / length, along_fibre = w * ratio * inv;
                 const V scale = inv * square_root(select(along_fibre < 0.0, -along_fibre, along_fibre));
-                // One crushed to a point has no direction, but u keeps its size, from which w - u.u comes.
+                // One crushed to a point has no direction: any will do, but u keeps its size, from which w - u.u comes.
                 const Mask crushed = dot(t, t) < 1e-22;
                 store(out, scale * select(crushed, length, t.x));
                 store(out + kBlock, scale * select(crushed, V{}, t.y));

@@ -78,7 +78,7 @@ void MuscleTerm::filter(TermWorkspace& ws) const {
             double* u = &ws.cache[at + l];
             const double square = u[0] * u[0] + u[8] * u[8] + u[16] * u[16];
             if (ws.rest[entry] < 0.0 || square <= weight_[entry]) continue;
-            const double scale = std::sqrt(weight_[entry] / square);
+            const double scale = std::sqrt(weight_[entry] / square) * (1.0 - 1e-15);  // w - u.u not below 0 by rounding
             for (std::size_t k = 0; k < 3; ++k) u[8 * k] *= scale;
         }
 }

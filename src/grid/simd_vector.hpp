@@ -38,9 +38,6 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
 [[maybe_unused]] inline Four& four_at(double* p) {
     return *reinterpret_cast<Four*>(p);
 }
-[[maybe_unused]] inline const Four& four_at(const double* p) {
-    return *reinterpret_cast<const Four*>(p);
-}
 [[maybe_unused]] inline V broadcast(double x) {
     return V{} + x;
 }

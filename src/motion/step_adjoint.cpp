@@ -126,10 +126,11 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         }
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
-        if (!(report.residual <= std::max(1e-9, adjoint_tolerance_)))
+        const double bound = std::max(1e-9, adjoint_tolerance_);
+        if (!(report.residual <= bound))
             fail(Status::NOT_CONVERGED,
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,
-                 report.residual, adjoint_tolerance_);
+                 report.residual, bound);
     }
     // A constrained coordinate keeps its old place, through which the others feel it too.
     if (!design_->constrained().empty()) {

@@ -4,7 +4,7 @@
 // A barycentre on a grid carries mass between cell centres and spreads it by the kernel. Where the kernel is narrower
 // than the cells can resolve, a body that is stretched from its bases becomes a comb: sum_j exp(-(x - j)^2 / 2 sigma^2)
 // ripples by 2 exp(-2 pi^2 sigma^2) of its mean (Poisson's summation formula), 8.5 % along each axis at 0.4 cells and
-// 6e-6 at 0.8. On cells of half the edge the same kernel (in metres) spans twice as many of them.
+// 6.5e-6 at 0.8. On cells of half the edge the same kernel (in metres) spans twice as many of them.
 #pragma once
 
 #include <vector>

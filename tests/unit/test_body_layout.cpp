@@ -8,7 +8,7 @@ using namespace fixtures;
 
 // Any number of cells and muscles, full blocks or not: the sum of the cells one by one.
 void test_padding() {
-    for (const int n : {1, 2, 7, 8, 9, 13, 16}) {
+    for (const int n : {1, 2, 7, 8, 9, 13, 16, 64, 65, 130}) {  // a chunk is of 64
         const Sample s({n, 1, 1}, n + 3);
         const Vector q = s.displaced(n % 2 ? 0.2 : 0.5);
         BodyWorkspace ws;

@@ -115,15 +115,9 @@ void test_evaluate() {
         NEAR(sum(p.p_hat) * p.peak, 1, 1e-8);
         CHECK(space.evaluate({0.4, 0.6}, 0, 3, nullptr).p_hat == p.p_hat);
     }
-    // The first form of the space is the same to the last bit as one that does not know the setting.
-    ShapeSettings plain;
-    plain.cells = small, plain.sigma = 0.5, plain.max_iterations = 20000;
-    ShapeSpace space(plain);
-    space.add_fractions("long", soft_ellipsoid(small, {7, 4, 4.5}, {5.6, 1.7, 2.3}).data());
-    space.add_fractions("high", soft_ellipsoid(small, {6.7, 3.9, 4.8}, {4.2, 1.5, 3.4}).data());
-    space.build(nullptr);
-    const ShapePoint p = space.evaluate({0.4, 0.6}, 0, 0, nullptr);
-    CHECK(p.p_hat == two_bodies(1, 0.5).evaluate({0.4, 0.6}, 0, 0, nullptr).p_hat);
+    // Without finer cells it is the barycentre's own density, to the last bit.
+    const ShapePoint p = two_bodies(1, 0.5).evaluate({0.4, 0.6}, 0, 0, nullptr);
+    CHECK(p.p_hat.size() == p.barycenter.p.size());
     for (std::size_t c = 0; c < p.p_hat.size(); ++c) CHECK(p.p_hat[c] == p.barycenter.p[c] / p.peak);
 }
 

@@ -109,6 +109,32 @@ struct OwnLoss {
     }
 };
 
+// What adjoints leave unsolved must not add up over a long rollout, and is no less than the states' in a short one.
+void test_tolerance_of_adjoints() {
+    SceneSettings scene;
+    NEAR(scene.adjoint_tolerance_over(0), 1e-6, 0.0);
+    NEAR(scene.adjoint_tolerance_over(100), 1e-6, 0.0);
+    NEAR(scene.adjoint_tolerance_over(10000), 1e-8, 1e-22);
+    NEAR(scene.adjoint_tolerance_over(1000000000), 1e-12, 0.0);
+    scene.tolerance = 1e-2;
+    NEAR(scene.adjoint_tolerance_over(3), 1e-2, 0.0);
+    scene.adjoint_tolerance = 1e-5;
+    NEAR(scene.adjoint_tolerance_over(10000), 1e-5, 0.0);
+
+    SceneSettings loose;
+    loose.tolerance = 1e-3, loose.hydrodynamics.current = {-0.5, 0.0, 0.0};
+    const auto design = design_of(loose);
+    const Vector q = design->rest(), v(q.size(), 0.0);
+    for (const std::size_t steps : {std::size_t{10}, std::size_t{400}}) {
+        const double allowed = steps == 10 ? 1e-3 : 2.5e-4;
+        const auto tape = roll(design, q, v, Vector(steps, 0.5));
+        Adjoint adjoint(tape);
+        adjoint.seed_objective({ObjectiveTerm{}});
+        adjoint.backward(0, nullptr);
+        CHECK(adjoint.worst_residual() <= allowed && adjoint.worst_residual() > 0.01 * allowed);
+    }
+}
+
 void test_own_loss() {
     const auto design = design_of(exact_scene());
     const Vector q = plus(design->rest(), 0.002, swirl(design->rest(), 1.0)), v = swirl(q, 0.4);
@@ -287,6 +313,7 @@ int main() {
     const CMUnitTest tests[] = {
         TEST(test_objective),
         TEST(test_own_loss),
+        TEST(test_tolerance_of_adjoints),
         TEST(test_resuming_gives_the_same_bits),
         TEST(test_objective_seeds),
         TEST(test_controller_and_clock),
