@@ -12,6 +12,7 @@
 
 #include "support/checkpoint.h"
 #include "support/exhibit.h"
+#include "support/findings.h"
 #include "support/gallery.h"
 #include "support/interrupt.h"
 #include "support/options.h"
@@ -247,32 +248,26 @@ static int write_picture(job* w, int* drawn) {
     return outcome == DONE ? plot_draw(w->o.out, PICTURE, SCRIPT, drawn) : outcome;
 }
 
-/* What all shapes together show. */
-typedef struct findings {
-    double least_overlap;
-    int64_t most_parts, most_parts_simulated;
-} findings;
+#define N_FINDINGS 3
 
-static findings find(const job* w) {
-    findings f = {HUGE_VAL, 0, 0};
+/* What all shapes together show. */
+static void find(const job* w, finding* found) {
+    double overlap = HUGE_VAL, parts = 0.0, simulated = 0.0;
     for (int k = 0; k < w->finished; ++k) {
         const exhibit* s = &w->shapes[k];
-        if (s->overlap >= 0.0) f.least_overlap = fmin(f.least_overlap, s->overlap);
-        if (s->parts > f.most_parts) f.most_parts = s->parts;
-        if (s->parts_simulated > f.most_parts_simulated) f.most_parts_simulated = s->parts_simulated;
+        if (s->overlap >= 0.0) overlap = fmin(overlap, s->overlap);
+        parts = fmax(parts, (double)s->parts);
+        simulated = fmax(simulated, (double)s->parts_simulated);
     }
-    return f;
+    found[0] = (finding){"bases_come_back", "the bases come back: their least overlap", overlap, LEAST_OVERLAP,
+                         FINDING_AT_LEAST};
+    found[1] = (finding){"one_part_each", "the solid of every shape is in one part: the most parts", parts, 1.0,
+                         FINDING_EQUALS};
+    found[2] = (finding){"one_part_each_simulated", "what is simulated of every shape is in one part: the most parts",
+                         simulated, 1.0, FINDING_EQUALS};
 }
 
-static void write_one_part(json* j, const char* name, int64_t most) {
-    json_open(j, name, '{');
-    json_boolean(j, "shown", most == 1);
-    json_integer(j, "value", most);
-    json_integer(j, "equals", 1);
-    json_close(j, '}');
-}
-
-static int write_summary(const job* w, const findings* f) {
+static int write_summary(const job* w, const finding* found) {
     output_file file;
     json j;
     dqa_shape_space_info info;
@@ -281,17 +276,8 @@ static int write_summary(const job* w, const findings* f) {
     if (outcome != DONE) return outcome;
     json_begin(&j, file.stream);
     summary_program(&j, form.program);
-    json_boolean(&j, "all_shown",
-                 f->least_overlap >= LEAST_OVERLAP && f->most_parts == 1 && f->most_parts_simulated == 1);
-    json_open(&j, "claims", '{');
-    json_open(&j, "bases_come_back", '{');
-    json_boolean(&j, "shown", f->least_overlap >= LEAST_OVERLAP);
-    json_number(&j, "value", f->least_overlap);
-    json_number(&j, "at_least", LEAST_OVERLAP);
-    json_close(&j, '}');
-    write_one_part(&j, "one_part_each", f->most_parts);
-    write_one_part(&j, "one_part_each_simulated", f->most_parts_simulated);
-    json_close(&j, '}');
+    json_boolean(&j, "all_shown", findings_hold(found, N_FINDINGS));
+    findings_write(&j, found, N_FINDINGS);
     json_open(&j, "bases", '[');
     for (int32_t b = 0; b < 3; ++b) json_string(&j, NULL, dqa_shape_space_base_name(w->s.space, b));
     json_close(&j, ']');
@@ -327,25 +313,20 @@ static int write_summary(const job* w, const findings* f) {
 }
 
 static int work(job* w) {
-    findings f;
+    finding found[N_FINDINGS];
     int drawn = 0, outcome;
     progress_begin(&w->p, N_SHAPES, 0);
     w->p.seconds[PROGRESS_FORWARD] = w->p.seconds[PROGRESS_BACKWARD] = 0.0;
     outcome = scene_create(&w->s, &w->o, &w->p);
     for (int k = w->finished; k < N_SHAPES && outcome == DONE; ++k) outcome = make_shape(w, k);
-    f = find(w);
+    find(w, found);
     progress_stage(&w->p, PROGRESS_OUTPUT);
     if (outcome == DONE) outcome = write_history(w);
     if (outcome == DONE) outcome = write_picture(w, &drawn);
-    if (outcome == DONE) outcome = write_summary(w, &f);
+    if (outcome == DONE) outcome = write_summary(w, found);
     progress_end(&w->p);
     if (outcome != DONE) return outcome;
-    printf("%s: the bases come back (least overlap %.4f, at least %.2f)\n",
-           f.least_overlap >= LEAST_OVERLAP ? "shown    " : "NOT SHOWN", f.least_overlap, LEAST_OVERLAP);
-    printf("%s: the solid of every shape is in one part (most parts %lld)\n",
-           f.most_parts == 1 ? "shown    " : "NOT SHOWN", (long long)f.most_parts);
-    printf("%s: what is simulated of every shape is in one part (most parts %lld)\n",
-           f.most_parts_simulated == 1 ? "shown    " : "NOT SHOWN", (long long)f.most_parts_simulated);
+    findings_print(found, N_FINDINGS);
     printf("Files:\n");
     if (drawn) printf("  %s/%s  (made by %s)\n", w->o.out, PICTURE, SCRIPT);
     printf("  %s/history.csv\n  %s/%s\n  %s/shape_01.stl ... shape_%02d.stl\n", w->o.out, w->o.out, SUMMARY_FILE,

@@ -5,12 +5,21 @@
 #include <stdio.h>
 
 /* In the words of a person and of summary.json. */
-static const char* const words[] = {"below", "at least", "above"};
-static const char* const keys[] = {"below", "at_least", "above"};
+static const char* const words[] = {"below", "at least", "above", "expected"};
+static const char* const keys[] = {"below", "at_least", "above", "equals"};
 
 static int finding_holds(const finding* c) {
-    if (c->kind == FINDING_BELOW) return c->value < c->bound;
-    return c->kind == FINDING_AT_LEAST ? c->value >= c->bound : c->value > c->bound;
+    switch (c->kind) {
+        case FINDING_BELOW:
+            return c->value < c->bound;
+        case FINDING_AT_LEAST:
+            return c->value >= c->bound;
+        case FINDING_ABOVE:
+            return c->value > c->bound;
+        case FINDING_EQUALS:
+            return c->value == c->bound;
+    }
+    return 0;
 }
 
 int findings_hold(const finding* found, int n) {

@@ -5,7 +5,7 @@
 
 #include "json.h"
 
-typedef enum finding_kind { FINDING_BELOW, FINDING_AT_LEAST, FINDING_ABOVE } finding_kind;
+typedef enum finding_kind { FINDING_BELOW, FINDING_AT_LEAST, FINDING_ABOVE, FINDING_EQUALS } finding_kind;
 
 typedef struct finding {
     const char* name; /* key in summary.json */

@@ -245,8 +245,12 @@ static int parse_words(options* o, given* g, int argc, char** argv, int* action)
     return DONE;
 }
 
+int32_t options_refinement(const options_form* form, int quick) {
+    return form->refinement > 0 && !quick ? form->refinement : 1;
+}
+
 static int resolve_refinement(options* o, const given* g) {
-    int64_t count = o->form->refinement > 0 && !o->quick ? o->form->refinement : 1;
+    int64_t count = options_refinement(o->form, o->quick);
     const int outcome = g->refinement != NULL ? parse_count("--refinement", g->refinement, 1, 4, &count) : DONE;
     o->refinement = (int32_t)count;
     return outcome;

@@ -74,6 +74,8 @@ extern const options_form options_codesign;
 
 /* 1 when an experiment of this form knows the option at the beginning of `word`. */
 int options_known(const options_form* form, const char* word);
+/* The refinement of a run without --refinement. */
+int32_t options_refinement(const options_form* form, int quick);
 /* Answers --help of an experiment on stdout. DONE or FAILED. */
 int options_print_help(const options_form* form);
 

@@ -59,8 +59,7 @@ static void default_text(const options_form* form, const options_preset* p, int 
     if (which == GENERATIONS) (void)snprintf(text, size, "%" PRId64, p->generations);
     if (which == STEPS) (void)snprintf(text, size, "%" PRId64, p->steps);
     if (which == SIGMA) (void)snprintf(text, size, "%g", p->sigma);
-    if (which == REFINEMENT)
-        (void)snprintf(text, size, "%d", form->refinement > 0 && p != &form->quick ? (int)form->refinement : 1);
+    if (which == REFINEMENT) (void)snprintf(text, size, "%d", (int)options_refinement(form, p == &form->quick));
     if (which == OUT) (void)snprintf(text, size, "./%s", form->out);
 }
 

@@ -98,7 +98,7 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
 
 void reduced_corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin,
                                int end, const double* cache, const ChunkForces& force) {
-    for (int block = begin; block < end; ++block) {
+    for (int block = begin; block < end; ++block)
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell cell = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -110,7 +110,6 @@ void reduced_corotated_product(const double* p, const int* nodes, const double* 
             resist(w, cell, s);
             spread(s, inv_dx, block, lane, force);
         }
-    }
 }
 
 void reduced_corotated_bar(const double* q, const double* lambda, const int* nodes, const double*, const double*,
@@ -168,7 +167,7 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
 
 void reduced_neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
                          const double* cache, const ChunkForces& force) {
-    for (int block = begin; block < end; ++block) {
+    for (int block = begin; block < end; ++block)
         for (int lane = 0; lane < kBlock; lane += kLanes) {
             const V w = load(weight + block * kBlock + lane);
             const Cell d = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
@@ -182,7 +181,6 @@ void reduced_neo_product(const double* p, const int* nodes, const double* weight
             resist(kNeoHourglass * w, d, s);
             spread(s, inv_dx, block, lane, force);
         }
-    }
 }
 
 void reduced_neo_bar(const double* q, const double* lambda, const int* nodes, const double*, const double*,

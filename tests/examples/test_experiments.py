@@ -373,7 +373,8 @@ class ShapeExploration(Experiment):
                 self.assertEqual(shape["parts"] == 1, shape["largest_part"] == 1.0)
             loose[refinement] = sum(shells) - 15
             self.assertEqual(summary["claims"]["one_part_each"],
-                             {"shown": max(parts) == 1, "value": max(parts), "equals": 1})
+                             {"shown": max(parts) == 1, "value": max(parts), "equals": 1,
+                              "says": "the solid of every shape is in one part: the most parts"})
         self.assertLess(loose[2], 0.5 * loose[1])
 
     def test_lists(self):
