@@ -289,7 +289,7 @@ typedef struct dqa_adjoint dqa_adjoint;
 #define DQA_PRECONDITIONER_FACTOR 1 /* the projective-dynamics factor in place of the diagonal blocks, as METHOD_PROJECTIVE
                                        has it in any case: dearer on most scenes */
 
-#define DQA_PRECISION_SINGLE 0 /* 24 bits: half the memory traffic */
+#define DQA_PRECISION_SINGLE 0 /* 24 bits: half the memory traffic, twice as many numbers at once */
 #define DQA_PRECISION_DOUBLE 1 /* 53 bits */
 
 #define DQA_INTEGRATOR_IMPLICIT_EULER 0 /* first order, strongly damped: as the paper */
@@ -359,8 +359,10 @@ typedef struct dqa_simulator_options {
     double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
     dqa_cancel_token *cancel;    /* NULL: none */
     int32_t water_faces;         /* DQA_FACES_*: default DQA_FACES_BOTH */
-    int32_t preconditioner_precision; /* DQA_PRECISION_*: default DQA_PRECISION_SINGLE. Of the preconditioner alone; all
-                                         else is in double precision */
+    int32_t linear_precision;    /* DQA_PRECISION_*: default DQA_PRECISION_SINGLE. Of the iterations of linear solves
+                                    with DQA_PRECONDITIONER_MULTILEVEL, whose residuals are checked in double
+                                    precision, so that results are as exact with both; of the preconditioner alone
+                                    with DQA_PRECONDITIONER_FACTOR. All else is in double precision */
     int32_t quadrature;          /* DQA_QUADRATURE_*: default DQA_QUADRATURE_REDUCED */
     int32_t padding;             /* must be 0 */
 } dqa_simulator_options;

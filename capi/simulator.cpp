@@ -59,10 +59,9 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.water, o.water >= DQA_WATER_NONE && o.water <= DQA_WATER_EXPLICIT, "water", "one of DQA_WATER_*");
     require_range(o.water_faces, o.water_faces == DQA_FACES_BOTH || o.water_faces == DQA_FACES_WINDWARD, "water_faces",
                   "DQA_FACES_BOTH or DQA_FACES_WINDWARD");
-    require_range(
-        o.preconditioner_precision,
-        o.preconditioner_precision == DQA_PRECISION_SINGLE || o.preconditioner_precision == DQA_PRECISION_DOUBLE,
-        "preconditioner_precision", "DQA_PRECISION_SINGLE or DQA_PRECISION_DOUBLE");
+    require_range(o.linear_precision,
+                  o.linear_precision == DQA_PRECISION_SINGLE || o.linear_precision == DQA_PRECISION_DOUBLE,
+                  "linear_precision", "DQA_PRECISION_SINGLE or DQA_PRECISION_DOUBLE");
     require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
     require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
     require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
@@ -107,7 +106,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     s.max_newton = o.max_newton, s.max_linear = o.max_linear;
     s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
     s.preconditioner = static_cast<dqa::PreconditionerKind>(o.preconditioner);
-    s.precision = static_cast<dqa::Precision>(o.preconditioner_precision);
+    s.precision = static_cast<dqa::Precision>(o.linear_precision);
     s.time_step = o.time_step;
     s.young_modulus = o.young_modulus, s.poisson_ratio = o.poisson_ratio, s.density = o.density;
     s.muscle_stiffness = o.muscle_stiffness, s.contraction = o.contraction;

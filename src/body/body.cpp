@@ -39,34 +39,29 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
     return energy;
 }
 
-void Body::product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const {
-    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
-    parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain,
-                    [&](int begin, int end) { add_product(ws, begin, end, out); });
-}
-
 int Body::n_chunks() const {
     int sum = 0;
     for (const auto& term : terms_) sum += term->n_chunks();
     return sum;
 }
 
-int Body::chunk_node(int k) const {
+std::pair<std::size_t, int> Body::at_chunk(int k) const {
     std::size_t t = 0;
     for (; k >= terms_[t]->n_chunks(); ++t) k -= terms_[t]->n_chunks();
-    return terms_[t]->chunk_node(k);
+    return {t, k};
 }
 
-void Body::product_chunk(BodyWorkspace& ws, const double* p, int k) const {
-    for (std::size_t t = 0; t < terms_.size(); ++t) {
-        const int count = terms_[t]->n_chunks();
-        if (k < count) return terms_[t]->product_chunk(ws.terms[t], p, k);
-        k -= count;
-    }
+int Body::chunk_node(int k) const {
+    const auto [term, chunk] = at_chunk(k);
+    return terms_[term]->chunk_node(chunk);
 }
 
-void Body::add_product(const BodyWorkspace& ws, int begin, int end, double* out) const {
-    for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_product(ws.terms[t], begin, end, out);
+void Body::to_single(BodyWorkspace& ws, Threads threads) const {
+    for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->prepare_single(ws.terms[t]);
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) {
+        const auto [term, chunk] = at_chunk(k);
+        terms_[term]->to_single(ws.terms[term], chunk);
+    });
 }
 
 void Body::filter(BodyWorkspace& ws) const {

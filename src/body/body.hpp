@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "body/elastic_term.hpp"
@@ -39,12 +40,26 @@ public:
     double gradient(BodyWorkspace& ws, const double* q, const double* signals, Threads threads, double* elastic_out,
                     double* muscle_out) const;
     // out += H p at the last gradient.
-    void product(BodyWorkspace& ws, const double* p, Threads threads, double* out) const;
+    template <class T>
+    void product(BodyWorkspace& ws, const T* p, Threads threads, T* out) const {
+        parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
+        parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain,
+                        [&](int begin, int end) { add_product(ws, begin, end, out); });
+    }
     // The same in two parts, see EnergyTerm.
     int n_chunks() const;
     int chunk_node(int k) const;
-    void product_chunk(BodyWorkspace& ws, const double* p, int k) const;
-    void add_product(const BodyWorkspace& ws, int begin, int end, double* out) const;
+    template <class T>
+    void product_chunk(BodyWorkspace& ws, const T* p, int k) const {
+        const auto [term, chunk] = at_chunk(k);
+        terms_[term]->product_chunk(ws.terms[term], p, chunk);
+    }
+    template <class T>
+    void add_product(const BodyWorkspace& ws, int begin, int end, T* out) const {
+        for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_product(ws.terms[t], begin, end, out);
+    }
+    // The linearisation in single precision too, for products in it.
+    void to_single(BodyWorkspace& ws, Threads threads) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     void filter(BodyWorkspace& ws) const;
     // Size of the parts that cancel in the energy (J); see EnergyTerm.
@@ -56,6 +71,8 @@ public:
                             const BodyBar& bar) const;
 
 private:
+    std::pair<std::size_t, int> at_chunk(int k) const;  // term and its chunk
+
     std::vector<std::unique_ptr<EnergyTerm>> terms_;
     std::size_t n_elastic_;  // of them, at the front
     std::vector<MuscleEntry> muscles_;

@@ -9,26 +9,41 @@
 namespace dqa {
 namespace {
 
-struct V3 {
-    V x, y, z;
+template <class T>
+struct Vector3 {
+    Lanes<T> x, y, z;
 };
-inline V3 operator+(const V3& a, const V3& b) {
+using V3 = Vector3<double>;
+template <class T>
+inline Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-inline V3 operator-(const V3& a, const V3& b) {
+template <class T>
+inline Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline V3 operator*(V s, const V3& a) {
+template <class T>
+inline Vector3<T> operator*(Lanes<T> s, const Vector3<T>& a) {
     return {s * a.x, s * a.y, s * a.z};
 }
-inline V3 operator*(double s, const V3& a) {
-    return {s * a.x, s * a.y, s * a.z};
+template <class T>
+inline Vector3<T> operator*(double s, const Vector3<T>& a) {
+    const T factor = static_cast<T>(s);
+    return {factor * a.x, factor * a.y, factor * a.z};
 }
-inline V dot(const V3& a, const V3& b) {
+template <class T>
+inline Lanes<T> dot(const Vector3<T>& a, const Vector3<T>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline V3 cross(const V3& a, const V3& b) {
+template <class T>
+inline Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+// Three vectors of a cache, by columns.
+template <class T>
+inline void load_columns(const T* in, Vector3<T> c[3]) {
+    for (int k = 0; k < 3; ++k)
+        c[k] = {load(in + 3 * k * kBlock), load(in + (3 * k + 1) * kBlock), load(in + (3 * k + 2) * kBlock)};
 }
 
 // Linear shape functions at the two Gauss points of an axis: (1 +- 1/sqrt 3) / 2.
@@ -39,12 +54,15 @@ inline double shape(int gauss, int node) {
 
 // Columns of F at the Gauss points. dF/dX along an axis does not depend on that axis's own Gauss coordinate, so four
 // values per axis serve all eight points (sum factorisation): x[gy][gz], y[gx][gz], z[gx][gy].
-struct Gradient {
-    V3 x[2][2], y[2][2], z[2][2];
+template <class T>
+struct GradientOf {
+    Vector3<T> x[2][2], y[2][2], z[2][2];
 };
+using Gradient = GradientOf<double>;
 
-inline void interpolate(const V3 edge[2][2], double scale, V3 out[2][2]) {
-    V3 half[2][2];
+template <class T>
+inline void interpolate(const Vector3<T> edge[2][2], double scale, Vector3<T> out[2][2]) {
+    Vector3<T> half[2][2];
     for (int a = 0; a < 2; ++a)
         for (int g = 0; g < 2; ++g)
             half[a][g] = (scale * shape(g, 0)) * edge[a][0] + (scale * shape(g, 1)) * edge[a][1];
@@ -52,28 +70,30 @@ inline void interpolate(const V3 edge[2][2], double scale, V3 out[2][2]) {
         for (int g = 0; g < 2; ++g) out[h][g] = shape(h, 0) * half[0][g] + shape(h, 1) * half[1][g];
 }
 
-inline Gradient gradient_of(const double* q, const int* nodes, double inv_dx, double slab = 0.0) {
-    V3 c[8];
+template <class T>
+inline GradientOf<T> gradient_of(const T* q, const int* nodes, double inv_dx, double slab = 0.0) {
+    Vector3<T> c[8];
     for (int k = 0; k < 8; ++k) {
         const int* index = nodes + k * kBlock;
         load_three(q, index, c[k].x, c[k].y, c[k].z);
     }
-    Gradient f;
-    const V3 ex[2][2] = {{c[4] - c[0], c[5] - c[1]}, {c[6] - c[2], c[7] - c[3]}};
-    const V3 ey[2][2] = {{c[2] - c[0], c[3] - c[1]}, {c[6] - c[4], c[7] - c[5]}};
-    const V3 ez[2][2] = {{c[1] - c[0], c[3] - c[2]}, {c[5] - c[4], c[7] - c[6]}};
+    GradientOf<T> f;
+    const Vector3<T> ex[2][2] = {{c[4] - c[0], c[5] - c[1]}, {c[6] - c[2], c[7] - c[3]}};
+    const Vector3<T> ey[2][2] = {{c[2] - c[0], c[3] - c[1]}, {c[6] - c[4], c[7] - c[5]}};
+    const Vector3<T> ez[2][2] = {{c[1] - c[0], c[3] - c[2]}, {c[5] - c[4], c[7] - c[6]}};
     interpolate(ex, inv_dx, f.x);
     interpolate(ey, inv_dx, f.y);
     interpolate(ez, inv_dx, f.z);
     for (int a = 0; a < 2; ++a)
-        for (int b = 0; b < 2; ++b) f.z[a][b].z += slab;
+        for (int b = 0; b < 2; ++b) f.z[a][b].z += static_cast<T>(slab);
     return f;
 }
 
 // Transpose of gradient_of: adds the stress sums of the Gauss points onto the corners of the cells from `lane` on.
-inline void scatter(const Gradient& p, double inv_dx, int block, int lane, const ChunkForces& out) {
+template <class T>
+inline void scatter(const GradientOf<T>& p, double inv_dx, int block, int lane, const ChunkForces<T>& out) {
     const std::uint16_t* slots = out.slots + static_cast<long>(block) * 8 * kBlock + lane;
-    V3 ex[2][2], ey[2][2], ez[2][2];
+    Vector3<T> ex[2][2], ey[2][2], ez[2][2];
     interpolate(p.x, inv_dx, ex);  // the matrix of `interpolate` is symmetric (near on the diagonal)
     interpolate(p.y, inv_dx, ey);
     interpolate(p.z, inv_dx, ez);
@@ -81,13 +101,14 @@ inline void scatter(const Gradient& p, double inv_dx, int block, int lane, const
         for (int iy = 0; iy < 2; ++iy)
             for (int iz = 0; iz < 2; ++iz) {
                 const double sx = ix ? 1.0 : -1.0, sy = iy ? 1.0 : -1.0, sz = iz ? 1.0 : -1.0;
-                const V3 f = sx * ex[iy][iz] + sy * ey[ix][iz] + sz * ez[ix][iy];
+                const Vector3<T> f = sx * ex[iy][iz] + sy * ey[ix][iz] + sz * ez[ix][iy];
                 add_three(out.sum, slots + (4 * ix + 2 * iy + iz) * kBlock, f.x, f.y, f.z);
             }
 }
 
-inline void clear(Gradient& g) {
-    const V zero = V{};
+template <class T>
+inline void clear(GradientOf<T>& g) {
+    const Lanes<T> zero = Lanes<T>{};
     for (int a = 0; a < 2; ++a)
         for (int b = 0; b < 2; ++b) g.x[a][b] = g.y[a][b] = g.z[a][b] = {zero, zero, zero};
 }

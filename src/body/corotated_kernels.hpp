@@ -40,21 +40,23 @@ inline void store_twist(double* out, const V3 r[3], const Twist& twist) {
 }
 
 // dR = R [omega]x with omega = K ax(R^T dF - dF^T R), from the cached R and K.
-inline void rotation_change(const double* in, const V3& f0, const V3& f1, const V3& f2, V3 d[3]) {
-    const V3 r0 = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
-    const V3 r1 = {load(in + 3 * kBlock), load(in + 4 * kBlock), load(in + 5 * kBlock)};
-    const V3 r2 = {load(in + 6 * kBlock), load(in + 7 * kBlock), load(in + 8 * kBlock)};
-    const V k00 = load(in + 9 * kBlock), k11 = load(in + 10 * kBlock), k22 = load(in + 11 * kBlock);
-    const V k01 = load(in + 12 * kBlock), k02 = load(in + 13 * kBlock), k12 = load(in + 14 * kBlock);
-    const V u0 = dot(r2, f1) - dot(r1, f2), u1 = dot(r0, f2) - dot(r2, f0), u2 = dot(r1, f0) - dot(r0, f1);
-    const V o0 = k00 * u0 + k01 * u1 + k02 * u2, o1 = k01 * u0 + k11 * u1 + k12 * u2,
+template <class T>
+inline void rotation_change(const T* in, const Vector3<T>& f0, const Vector3<T>& f1, const Vector3<T>& f2,
+                            Vector3<T> d[3]) {
+    using W = Lanes<T>;
+    Vector3<T> r[3];
+    load_columns(in, r);
+    const W k00 = load(in + 9 * kBlock), k11 = load(in + 10 * kBlock), k22 = load(in + 11 * kBlock);
+    const W k01 = load(in + 12 * kBlock), k02 = load(in + 13 * kBlock), k12 = load(in + 14 * kBlock);
+    const W u0 = dot(r[2], f1) - dot(r[1], f2), u1 = dot(r[0], f2) - dot(r[2], f0), u2 = dot(r[1], f0) - dot(r[0], f1);
+    const W o0 = k00 * u0 + k01 * u1 + k02 * u2, o1 = k01 * u0 + k11 * u1 + k12 * u2,
             o2 = k02 * u0 + k12 * u1 + k22 * u2;
-    d[0] = o2 * r1 - o1 * r2, d[1] = o0 * r2 - o2 * r0, d[2] = o1 * r0 - o0 * r1;
+    d[0] = o2 * r[1] - o1 * r[2], d[1] = o0 * r[2] - o2 * r[0], d[2] = o1 * r[0] - o0 * r[1];
 }
 
 void corotated_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx,
-                        double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache,
-                        int* inverted) {
+                        double slab, int begin, int end, const ChunkForces<double>& force, double* energy,
+                        double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
@@ -92,24 +94,25 @@ void corotated_gradient(const double* q, const int* nodes, const double* weight,
     *inverted += n_inverted;
 }
 
-void corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                       const double* cache, const ChunkForces& force) {
+template <class T>
+void corotated_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end, const T* cache,
+                       const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block) {
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
-            Gradient s;
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            const GradientOf<T> f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            GradientOf<T> s;
             clear(s);
             for (int gx = 0; gx < 2; ++gx)
                 for (int gy = 0; gy < 2; ++gy)
                     for (int gz = 0; gz < 2; ++gz) {
-                        const V3 &f0 = f.x[gy][gz], &f1 = f.y[gx][gz], &f2 = f.z[gx][gy];
-                        const double* in =
+                        const Vector3<T>&f0 = f.x[gy][gz], &f1 = f.y[gx][gz], &f2 = f.z[gx][gy];
+                        const T* in =
                             cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * kCorotatedPoint * kBlock +
                             lane;
-                        V3 d[3];
+                        Vector3<T> d[3];
                         rotation_change(in, f0, f1, f2, d);
-                        const V3 d0 = f0 - d[0], d1 = f1 - d[1], d2 = f2 - d[2];
+                        const Vector3<T> d0 = f0 - d[0], d1 = f1 - d[1], d2 = f2 - d[2];
                         s.x[gy][gz] = s.x[gy][gz] + d0;
                         s.y[gx][gz] = s.y[gx][gz] + d1;
                         s.z[gx][gy] = s.z[gx][gy] + d2;
@@ -138,11 +141,10 @@ void corotated_bar(const double* q, const double* lambda, const int* nodes, cons
                         const double* in =
                             cache + (static_cast<long>(block) * 8 + (4 * gx + 2 * gy + gz)) * kCorotatedPoint * kBlock +
                             lane;
-                        const V3 r0 = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
-                        const V3 r1 = {load(in + 3 * kBlock), load(in + 4 * kBlock), load(in + 5 * kBlock)};
-                        const V3 r2 = {load(in + 6 * kBlock), load(in + 7 * kBlock), load(in + 8 * kBlock)};
-                        sum += dot(f.x[gy][gz] - r0, g.x[gy][gz]) + dot(f.y[gx][gz] - r1, g.y[gx][gz]) +
-                               dot(f.z[gx][gy] - r2, g.z[gx][gy]);
+                        V3 r[3];
+                        load_columns(in, r);
+                        sum += dot(f.x[gy][gz] - r[0], g.x[gy][gz]) + dot(f.y[gx][gz] - r[1], g.y[gx][gz]) +
+                               dot(f.z[gx][gy] - r[2], g.z[gx][gy]);
                     }
             store(weight_bar + block * kBlock + lane, sum);
         }
@@ -154,22 +156,24 @@ void corotated_bar(const double* q, const double* lambda, const int* nodes, cons
 constexpr int kVolumePoint = 16;  // R, K, tr(R^T F) - 3
 
 // Deformation gradient at the cell's centre: the mean over the Gauss points.
-inline void at_centre(const Gradient& f, V3 c[3]) {
+template <class T>
+inline void at_centre(const GradientOf<T>& f, Vector3<T> c[3]) {
     c[0] = 0.25 * (f.x[0][0] + f.x[0][1] + (f.x[1][0] + f.x[1][1]));
     c[1] = 0.25 * (f.y[0][0] + f.y[0][1] + (f.y[1][0] + f.y[1][1]));
     c[2] = 0.25 * (f.z[0][0] + f.z[0][1] + (f.z[1][0] + f.z[1][1]));
 }
 
 // Its transpose: the stress at the centre as one at the Gauss points.
-inline Gradient from_centre(const V3 p[3]) {
-    Gradient g;
+template <class T>
+inline GradientOf<T> from_centre(const Vector3<T> p[3]) {
+    GradientOf<T> g;
     for (int a = 0; a < 2; ++a)
         for (int b = 0; b < 2; ++b) g.x[a][b] = 0.25 * p[0], g.y[a][b] = 0.25 * p[1], g.z[a][b] = 0.25 * p[2];
     return g;
 }
 
 void volume_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx, double slab,
-                     int begin, int end, const ChunkForces& force, double* energy, double* cache, int*) {
+                     int begin, int end, const ChunkForces<double>& force, double* energy, double* cache, int*) {
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
@@ -192,21 +196,22 @@ void volume_gradient(const double* q, const int* nodes, const double* weight, co
 }
 
 // d tr(R^T F) = R : dF, because R^T F is symmetric.
-void volume_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                    const double* cache, const ChunkForces& force) {
+template <class T>
+void volume_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end, const T* cache,
+                    const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block) {
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            V3 f[3], d[3];
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            Vector3<T> f[3], d[3];
             at_centre(gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx), f);
-            const double* in = cache + static_cast<long>(block) * kVolumePoint * kBlock + lane;
+            const T* in = cache + static_cast<long>(block) * kVolumePoint * kBlock + lane;
             rotation_change(in, f[0], f[1], f[2], d);
-            const V3 r[3] = {{load(in), load(in + kBlock), load(in + 2 * kBlock)},
-                             {load(in + 3 * kBlock), load(in + 4 * kBlock), load(in + 5 * kBlock)},
-                             {load(in + 6 * kBlock), load(in + 7 * kBlock), load(in + 8 * kBlock)}};
-            const V change = w * (dot(r[0], f[0]) + dot(r[1], f[1]) + dot(r[2], f[2]));
-            const V trace = w * load(in + 15 * kBlock);
-            const V3 s[3] = {change * r[0] + trace * d[0], change * r[1] + trace * d[1], change * r[2] + trace * d[2]};
+            Vector3<T> r[3];
+            load_columns(in, r);
+            const Lanes<T> change = w * (dot(r[0], f[0]) + dot(r[1], f[1]) + dot(r[2], f[2]));
+            const Lanes<T> trace = w * load(in + 15 * kBlock);
+            const Vector3<T> s[3] = {change * r[0] + trace * d[0], change * r[1] + trace * d[1],
+                                     change * r[2] + trace * d[2]};
             scatter(from_centre(s), inv_dx, block, lane, force);
         }
     }
@@ -219,11 +224,9 @@ void volume_bar(const double*, const double* lambda, const int* nodes, const dou
             V3 g[3];
             at_centre(gradient_of(lambda, nodes + block * 8 * kBlock + lane, inv_dx), g);
             const double* in = cache + static_cast<long>(block) * kVolumePoint * kBlock + lane;
-            V sum = V{};
-            for (int k = 0; k < 3; ++k)
-                sum +=
-                    dot(V3{load(in + 3 * k * kBlock), load(in + (3 * k + 1) * kBlock), load(in + (3 * k + 2) * kBlock)},
-                        g[k]);
+            V3 r[3];
+            load_columns(in, r);
+            const V sum = dot(r[0], g[0]) + dot(r[1], g[1]) + dot(r[2], g[2]);
             store(weight_bar + block * kBlock + lane, load(in + 15 * kBlock) * sum);
         }
     }

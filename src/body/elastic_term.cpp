@@ -53,7 +53,8 @@ ElasticTerm::ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSe
                 shift.push_back(neo_moduli(mu[c], lambda[c]).alpha());
                 break;
         }
-    weight_ = cells_.blocked(weight);
+    weight_.exact = cells_.blocked(weight);
+    weight_.single.assign(weight_.exact.begin(), weight_.exact.end());
     if (!shift.empty()) shift_ = cells_.blocked(shift);
 }
 
@@ -64,17 +65,17 @@ const char* ElasticTerm::name() const {
 
 double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads, double* out) const {
     const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
-    ws.force.resize(cells_.sums().size()), ws.energy.resize(blocks);
-    ws.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
+    ws.exact.force.resize(cells_.sums().size()), ws.energy.resize(blocks);
+    ws.exact.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
     std::vector<int> inverted(blocks / kBodyGrain + 1, 0);
     parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
         const int chunk = begin / kBodyGrain;
-        kernels_.gradient(q, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end,
-                          forces_of(cells_.sums(), chunk, ws.force), ws.energy.data(), ws.cache.data(),
+        kernels_.gradient(q, cells_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
+                          forces_of(cells_.sums(), chunk, ws.exact.force), ws.energy.data(), ws.exact.cache.data(),
                           &inverted[static_cast<std::size_t>(chunk)]);
     });
     ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
-    cells_.sums().gather().add(ws.force.data(), 1.0, out, threads);
+    cells_.sums().gather().add(ws.exact.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
@@ -86,27 +87,37 @@ int ElasticTerm::chunk_node(int k) const {
     return cells_.nodes()[64 * k * kBodyGrain] / 3;
 }
 
-void ElasticTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
+template <class T>
+void ElasticTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, cells_.n_blocks());
-    kernels_.product(p, cells_.nodes(), weight_.data(), inv_dx_, begin, end, ws.cache.data(),
-                     forces_of(cells_.sums(), k, ws.force));
+    Linearisation<T>& at = ws.in(T());
+    kernels_.product.in(T())(p, cells_.nodes(), weight_.in(T()).data(), inv_dx_, begin, end, at.cache.data(),
+                             forces_of(cells_.sums(), k, at.force));
+}
+template void ElasticTerm::product_of(TermWorkspace&, const double*, int) const;
+template void ElasticTerm::product_of(TermWorkspace&, const float*, int) const;
+
+void ElasticTerm::prepare_single(TermWorkspace& ws) const {
+    ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
 }
 
-void ElasticTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
-    cells_.sums().gather().add(ws.force.data(), 1.0, begin, end, out);
+void ElasticTerm::to_single(TermWorkspace& ws, int k) const {
+    const std::size_t size = static_cast<std::size_t>(kBodyGrain * kernels_.point_values) * 8,
+                      begin = size * static_cast<std::size_t>(k);
+    convert(ws.exact.cache, ws.single.cache, begin, std::min(begin + size, ws.exact.cache.size()));
 }
 
 void ElasticTerm::filter(TermWorkspace& ws) const {
-    kernels_.filter(ws.cache.data(), cells_.n_blocks());
+    kernels_.filter(ws.exact.cache.data(), cells_.n_blocks());
 }
 
 // |F|^2 and 3, and the squares of J - alpha and 1 - alpha.
 double ElasticTerm::cancelling() const {
     double sum = 0.0;
     if (kind_ == ElasticKind::neo_hookean)
-        for (const double w : weight_) sum += 1.5 * kernels_.points * w;
+        for (const double w : weight_.exact) sum += 1.5 * kernels_.points * w;
     if (kind_ == ElasticKind::neo_hookean_volume)
-        for (std::size_t c = 0; c < weight_.size(); ++c) sum += std::fabs(weight_[c] * (1.0 - shift_[c]));
+        for (std::size_t c = 0; c < weight_.exact.size(); ++c) sum += std::fabs(weight_.exact[c] * (1.0 - shift_[c]));
     return sum;
 }
 
@@ -134,8 +145,8 @@ void ElasticTerm::pullback(TermWorkspace& ws, const double* q, const double* lam
                            const BodyBar& bar) const {
     std::vector<double> weight_bar(static_cast<std::size_t>(cells_.n_blocks()) * 8), shift_bar(weight_bar.size());
     parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.bar(q, lambda, cells_.nodes(), weight_.data(), shift_.data(), inv_dx_, slab_, begin, end,
-                     ws.cache.data(), weight_bar.data(), shift_bar.data());
+        kernels_.bar(q, lambda, cells_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
+                     ws.exact.cache.data(), weight_bar.data(), shift_bar.data());
     });
     for (std::size_t c = 0; c < mu_.size(); ++c) {
         const double w = weight_bar[c] * volume_;

@@ -18,8 +18,16 @@ public:
                     double* out) const override;
     int n_chunks() const override;
     int chunk_node(int k) const override;
-    void product_chunk(TermWorkspace& ws, const double* p, int k) const override;
-    void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override;
+    void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }
+    void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override {
+        cells_.sums().gather().add(ws.exact.force.data(), 1.0, begin, end, out);
+    }
+    void prepare_single(TermWorkspace& ws) const override;
+    void to_single(TermWorkspace& ws, int k) const override;
+    void product_chunk(TermWorkspace& ws, const float* p, int k) const override { product_of(ws, p, k); }
+    void add_product(const TermWorkspace& ws, int begin, int end, float* out) const override {
+        cells_.sums().gather().add(ws.single.force.data(), 1.0f, begin, end, out);
+    }
     void filter(TermWorkspace& ws) const override;
     double cancelling() const override;
     void precondition(std::vector<Vec3>& stiffness) const override;
@@ -27,12 +35,16 @@ public:
                   const BodyBar& bar) const override;
 
 private:
+    template <class T>
+    void product_of(TermWorkspace& ws, const T* p, int k) const;
+
     ElasticKind kind_;
     const ElasticKernels& kernels_;
     double inv_dx_, slab_, volume_;  // volume of a cell's integration point
     std::vector<double> mu_, lambda_;
     BlockLayout cells_;
-    std::vector<double> weight_, shift_;  // blocked
+    InBothPrecisions<std::vector> weight_;  // blocked
+    std::vector<double> shift_;             // blocked
 };
 
 }  // namespace dqa

@@ -8,19 +8,27 @@
 #include "body/kernels.hpp"
 #include "grid/active_set.hpp"
 #include "grid/parallel.hpp"
+#include "grid/precision.hpp"
 
 namespace dqa {
 
 constexpr int kBodyGrain = 8;  // blocks a chunk: the unit of ordered sums
 
+// What products need of an evaluation point, and where they leave their forces; in single precision a copy of it.
+template <class T>
+struct Linearisation {
+    std::vector<T> force, cache, rest;
+};
+
 // Scratch of one term at one evaluation point; belongs to the caller.
-struct TermWorkspace {
-    std::vector<double> force, energy, cache, rest;
+struct TermWorkspace : InBothPrecisions<Linearisation> {
+    std::vector<double> energy;
     int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
 };
 
 // Chunk k of a term's forces, set to zero for a kernel to add to.
-inline ChunkForces forces_of(const ChunkedGather& sums, int k, std::vector<double>& force) {
+template <class T>
+inline ChunkForces<T> forces_of(const ChunkedGather& sums, int k, std::vector<T>& force) {
     return {sums.slots(), sums.cleared(k, force)};
 }
 
@@ -46,6 +54,12 @@ public:
     virtual int chunk_node(int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
     virtual void add_product(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
+    // The same in single precision, once prepare_single has made room and to_single has copied all chunks; p has one
+    // number more than 3 n_nodes, whose value does not matter.
+    virtual void prepare_single(TermWorkspace& ws) const = 0;
+    virtual void to_single(TermWorkspace& ws, int k) const = 0;
+    virtual void product_chunk(TermWorkspace& ws, const float* p, int k) const = 0;
+    virtual void add_product(const TermWorkspace& ws, int begin, int end, float* out) const = 0;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     virtual void filter(TermWorkspace& ws) const = 0;
     // Size of the parts that cancel in the energy (J): at rest its rounding is that of these, however small it is.

@@ -17,6 +17,7 @@
 
 #include <cstdint>
 
+#include "grid/precision.hpp"
 #include "grid/simd.hpp"
 
 namespace dqa {
@@ -24,11 +25,20 @@ namespace dqa {
 constexpr int kMuscleCache = 8 * 3 * 8;
 
 // Where the blocks of a chunk leave their forces.
+template <class T>
 struct ChunkForces {
     const std::uint16_t* slots;  // [block][8 corners][8 lanes]: places in `sum`
-    double* sum;                 // [nodes of the chunk][4], added to
+    T* sum;                      // [nodes of the chunk][4], added to
 };
 
+// Hessian-vector products from the cache, in double and in single precision. In single precision p has one number more
+// than 3 n_nodes, whose value does not matter.
+template <class T>
+using ElasticProduct = void (*)(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end,
+                                const T* cache, const ChunkForces<T>& force);
+template <class T>
+using MuscleProduct = void (*)(const T* p, const int* nodes, const T* direction, const T* weight, const T* rest,
+                               double inv_dx, int begin, int end, const T* cache, const ChunkForces<T>& force);
 enum class ElasticKind : int { corotated = 0, corotated_volume = 1, neo_hookean = 2, neo_hookean_volume = 3 };
 
 // Integration of the kinds that are not volume terms: at eight Gauss points as in the paper, or at the cell's centre
@@ -41,11 +51,9 @@ struct ElasticKernels {
     // Energy (per block), forces dE/dq, and the linearisation (NULL: not wanted); inverted counts Gauss points with
     // det F <= 0. shift [block][8]: NULL where the energy has none.
     void (*gradient)(const double* q, const int* nodes, const double* weight, const double* shift, double inv_dx,
-                     double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache,
+                     double slab, int begin, int end, const ChunkForces<double>& force, double* energy, double* cache,
                      int* inverted);
-    // Hessian-vector product from the cache.
-    void (*product)(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                    const double* cache, const ChunkForces& force);
+    InBothPrecisions<ElasticProduct> product;
     // d(lambda . dE/dq)/d(weight) and /d(shift) per cell, [block][8]; cache as of q.
     void (*bar)(const double* q, const double* lambda, const int* nodes, const double* weight, const double* shift,
                 double inv_dx, double slab, int begin, int end, const double* cache, double* weight_bar,
@@ -58,11 +66,9 @@ struct BodyKernels {
     ElasticKernels elastic[2][4];  // by Quadrature and ElasticKind
     // The same for muscles; direction [block][3][8], rest ratio [block][8].
     void (*muscle_gradient)(const double* q, const int* nodes, const double* direction, const double* weight,
-                            const double* rest, double inv_dx, int begin, int end, const ChunkForces& force,
+                            const double* rest, double inv_dx, int begin, int end, const ChunkForces<double>& force,
                             double* energy, double* cache);
-    void (*muscle_product)(const double* p, const int* nodes, const double* direction, const double* weight,
-                           const double* rest, double inv_dx, int begin, int end, const double* cache,
-                           const ChunkForces& force);
+    InBothPrecisions<MuscleProduct> muscle_product;
     // d(lambda . dE/dq)/d(weight) and /d(rest) per entry, [block][8].
     void (*muscle_bar)(const double* q, const double* lambda, const int* nodes, const double* direction,
                        const double* weight, const double* rest, double inv_dx, int begin, int end, double* weight_bar,

@@ -9,21 +9,37 @@
 namespace dqa {
 
 const BodyKernels& DQA_KERNEL_TABLE() {
-    const ElasticKernels volume{kVolumePoint, 1, volume_gradient, volume_product, volume_bar, volume_filter};
-    const ElasticKernels jacobian{kJacobianPoint, 1, jacobian_gradient, jacobian_product, jacobian_bar,
-                                  jacobian_filter};
+    const ElasticKernels volume{
+        kVolumePoint, 1, volume_gradient, {volume_product<double>, volume_product<float>}, volume_bar, volume_filter};
+    const ElasticKernels jacobian{kJacobianPoint,    1,
+                                  jacobian_gradient, {jacobian_product<double>, jacobian_product<float>},
+                                  jacobian_bar,      jacobian_filter};
     static const BodyKernels table = {
-        {{{8 * kCorotatedPoint, 8, corotated_gradient, corotated_product, corotated_bar, corotated_filter},
+        {{{8 * kCorotatedPoint,
+           8,
+           corotated_gradient,
+           {corotated_product<double>, corotated_product<float>},
+           corotated_bar,
+           corotated_filter},
           volume,
-          {8 * kNeoPoint, 8, neo_gradient, neo_product, neo_bar, neo_filter},
+          {8 * kNeoPoint, 8, neo_gradient, {neo_product<double>, neo_product<float>}, neo_bar, neo_filter},
           jacobian},
-         {{kCorotatedPoint, 1, reduced_corotated_gradient, reduced_corotated_product, reduced_corotated_bar,
+         {{kCorotatedPoint,
+           1,
+           reduced_corotated_gradient,
+           {reduced_corotated_product<double>, reduced_corotated_product<float>},
+           reduced_corotated_bar,
            reduced_corotated_filter},
           volume,
-          {kNeoPoint, 1, reduced_neo_gradient, reduced_neo_product, reduced_neo_bar, neo_filter},
+          {kNeoPoint,
+           1,
+           reduced_neo_gradient,
+           {reduced_neo_product<double>, reduced_neo_product<float>},
+           reduced_neo_bar,
+           neo_filter},
           jacobian}},
         muscle_gradient,
-        muscle_product,
+        {muscle_product<double>, muscle_product<float>},
         muscle_bar};
     return table;
 }

@@ -7,11 +7,13 @@
 namespace dqa {
 namespace {
 
-inline V3 along(const Gradient& f, int gx, int gy, int gz, const V m[3]) {
+template <class T>
+inline Vector3<T> along(const GradientOf<T>& f, int gx, int gy, int gz, const Lanes<T> m[3]) {
     return m[0] * f.x[gy][gz] + m[1] * f.y[gx][gz] + m[2] * f.z[gx][gy];
 }
 
-inline void add_outer(Gradient& p, int gx, int gy, int gz, const V m[3], const V3& t) {
+template <class T>
+inline void add_outer(GradientOf<T>& p, int gx, int gy, int gz, const Lanes<T> m[3], const Vector3<T>& t) {
     p.x[gy][gz] = p.x[gy][gz] + m[0] * t;
     p.y[gx][gz] = p.y[gx][gz] + m[1] * t;
     p.z[gx][gy] = p.z[gx][gy] + m[2] * t;
@@ -27,8 +29,8 @@ inline V length_of(const V3& t) {
 }
 
 void muscle_gradient(const double* q, const int* nodes, const double* direction, const double* weight,
-                     const double* rest, double inv_dx, int begin, int end, const ChunkForces& force, double* energy,
-                     double* cache) {
+                     const double* rest, double inv_dx, int begin, int end, const ChunkForces<double>& force,
+                     double* energy, double* cache) {
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
@@ -64,23 +66,24 @@ void muscle_gradient(const double* q, const int* nodes, const double* direction,
     }
 }
 
-void muscle_product(const double* p, const int* nodes, const double* direction, const double* weight,
-                    const double* rest, double inv_dx, int begin, int end, const double* cache,
-                    const ChunkForces& force) {
+template <class T>
+void muscle_product(const T* p, const int* nodes, const T* direction, const T* weight, const T* rest, double inv_dx,
+                    int begin, int end, const T* cache, const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block) {
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const double* dir = direction + block * 3 * kBlock + lane;
-            const V m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
-            const V w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
-            const V sign = select(ratio < 0.0, V{} - 1.0, V{} + 1.0);
-            const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
-            Gradient s;
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const T* dir = direction + block * 3 * kBlock + lane;
+            const Lanes<T> m[3] = {load(dir), load(dir + kBlock), load(dir + 2 * kBlock)};
+            const Lanes<T> w = load(weight + block * kBlock + lane), ratio = load(rest + block * kBlock + lane);
+            const Lanes<T> one = Lanes<T>{} + T(1);
+            const Lanes<T> sign = select(ratio < T(0), -one, one);
+            const GradientOf<T> f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            GradientOf<T> s;
             clear(s);
             for (int g = 0; g < 8; ++g) {
                 const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
-                const double* in = cache + (static_cast<long>(block) * 8 + g) * 3 * kBlock + lane;
-                const V3 u = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
-                const V3 d = along(f, gx, gy, gz, m);
+                const T* in = cache + (static_cast<long>(block) * 8 + g) * 3 * kBlock + lane;
+                const Vector3<T> u = {load(in), load(in + kBlock), load(in + 2 * kBlock)};
+                const Vector3<T> d = along(f, gx, gy, gz, m);
                 add_outer(s, gx, gy, gz, m, (w - sign * dot(u, u)) * d + (sign * dot(u, d)) * u);
             }
             scatter(s, inv_dx, block, lane, force);

@@ -26,29 +26,32 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
       entries_(set, cells_of(muscles), kBodyGrain) {
     std::vector<double> weight;
     for (const MuscleEntry& m : muscles_) weight.push_back(m.weight * gauss_volume_);
-    weight_ = entries_.blocked(weight);
-    direction_.assign(static_cast<std::size_t>(entries_.n_blocks()) * 24, 0.0);
+    fibres_.exact.weight = entries_.blocked(weight);
+    fibres_.exact.direction.assign(static_cast<std::size_t>(entries_.n_blocks()) * 24, 0.0);
     for (std::size_t e = 0; e < static_cast<std::size_t>(entries_.n_blocks()) * 8; ++e) {
         const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
-        for (std::size_t k = 0; k < 3; ++k) direction_[(e / 8) * 24 + k * 8 + e % 8] = m.direction[k];
+        for (std::size_t k = 0; k < 3; ++k) fibres_.exact.direction[(e / 8) * 24 + k * 8 + e % 8] = m.direction[k];
     }
+    fibres_.single.weight.assign(fibres_.exact.weight.begin(), fibres_.exact.weight.end());
+    fibres_.single.direction.assign(fibres_.exact.direction.begin(), fibres_.exact.direction.end());
 }
 
 double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
                             double* out) const {
     const std::size_t blocks = static_cast<std::size_t>(entries_.n_blocks());
-    ws.force.resize(entries_.sums().size()), ws.energy.resize(blocks);
-    ws.cache.resize(blocks * kMuscleCache), ws.rest.resize(blocks * 8);
+    ws.exact.force.resize(entries_.sums().size()), ws.energy.resize(blocks);
+    ws.exact.cache.resize(blocks * kMuscleCache), ws.exact.rest.resize(blocks * 8);
     for (std::size_t e = 0; e < blocks * 8; ++e) {
         const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
-        ws.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
+        ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
     }
     parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.muscle_gradient(q, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin,
-                                 end, forces_of(entries_.sums(), begin / kBodyGrain, ws.force), ws.energy.data(),
-                                 ws.cache.data());
+        kernels_.muscle_gradient(q, entries_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
+                                 ws.exact.rest.data(), inv_dx_, begin, end,
+                                 forces_of(entries_.sums(), begin / kBodyGrain, ws.exact.force), ws.energy.data(),
+                                 ws.exact.cache.data());
     });
-    entries_.sums().gather().add(ws.force.data(), 1.0, out, threads);
+    entries_.sums().gather().add(ws.exact.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
@@ -60,25 +63,38 @@ int MuscleTerm::chunk_node(int k) const {
     return entries_.nodes()[64 * k * kBodyGrain] / 3;
 }
 
-void MuscleTerm::product_chunk(TermWorkspace& ws, const double* p, int k) const {
+template <class T>
+void MuscleTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
     const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, entries_.n_blocks());
-    kernels_.muscle_product(p, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_, begin, end,
-                            ws.cache.data(), forces_of(entries_.sums(), k, ws.force));
+    const Fibres<T>& fibres = fibres_.in(T());
+    Linearisation<T>& at = ws.in(T());
+    kernels_.muscle_product.in(T())(p, entries_.nodes(), fibres.direction.data(), fibres.weight.data(), at.rest.data(),
+                                    inv_dx_, begin, end, at.cache.data(), forces_of(entries_.sums(), k, at.force));
+}
+template void MuscleTerm::product_of(TermWorkspace&, const double*, int) const;
+template void MuscleTerm::product_of(TermWorkspace&, const float*, int) const;
+
+void MuscleTerm::prepare_single(TermWorkspace& ws) const {
+    ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
+    ws.single.rest.assign(ws.exact.rest.begin(), ws.exact.rest.end());
 }
 
-void MuscleTerm::add_product(const TermWorkspace& ws, int begin, int end, double* out) const {
-    entries_.sums().gather().add(ws.force.data(), 1.0, begin, end, out);
+void MuscleTerm::to_single(TermWorkspace& ws, int k) const {
+    const std::size_t size = static_cast<std::size_t>(kBodyGrain * kMuscleCache),
+                      begin = size * static_cast<std::size_t>(k);
+    convert(ws.exact.cache, ws.single.cache, begin, std::min(begin + size, ws.exact.cache.size()));
 }
 
 // Drops compressive transverse stiffness, w - u.u < 0, and keeps w along the fibre.
 void MuscleTerm::filter(TermWorkspace& ws) const {
-    for (std::size_t at = 0; at < ws.cache.size(); at += 3 * 8)
+    for (std::size_t at = 0; at < ws.exact.cache.size(); at += 3 * 8)
         for (std::size_t l = 0; l < 8; ++l) {
             const std::size_t entry = at / kMuscleCache * 8 + l;
-            double* u = &ws.cache[at + l];
+            double* u = &ws.exact.cache[at + l];
             const double square = u[0] * u[0] + u[8] * u[8] + u[16] * u[16];
-            if (ws.rest[entry] < 0.0 || square <= weight_[entry]) continue;
-            const double scale = std::sqrt(weight_[entry] / square) * (1.0 - 1e-15);  // w - u.u not below 0 by rounding
+            if (ws.exact.rest[entry] < 0.0 || square <= fibres_.exact.weight[entry]) continue;
+            const double scale =
+                std::sqrt(fibres_.exact.weight[entry] / square) * (1.0 - 1e-15);  // w - u.u not below 0 by rounding
             for (std::size_t k = 0; k < 3; ++k) u[8 * k] *= scale;
         }
 }
@@ -94,8 +110,8 @@ void MuscleTerm::pullback(TermWorkspace& ws, const double* q, const double* lamb
                           const BodyBar& bar) const {
     std::vector<double> weight_bar(static_cast<std::size_t>(entries_.n_blocks()) * 8), rest_bar(weight_bar.size());
     parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.muscle_bar(q, lambda, entries_.nodes(), direction_.data(), weight_.data(), ws.rest.data(), inv_dx_,
-                            begin, end, weight_bar.data(), rest_bar.data());
+        kernels_.muscle_bar(q, lambda, entries_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
+                            ws.exact.rest.data(), inv_dx_, begin, end, weight_bar.data(), rest_bar.data());
     });
     for (std::size_t e = 0; e < muscles_.size(); ++e) {
         bar.muscle_weight[e] += gauss_volume_ * weight_bar[e];

@@ -23,13 +23,9 @@ inline void store_columns(double* out, const V3 c[3]) {
         store(out + (3 * k + 2) * kBlock, c[k].z);
     }
 }
-inline void load_columns(const double* in, V3 c[3]) {
-    for (int k = 0; k < 3; ++k)
-        c[k] = {load(in + 3 * k * kBlock), load(in + (3 * k + 1) * kBlock), load(in + (3 * k + 2) * kBlock)};
-}
 
 void neo_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx, double slab,
-                  int begin, int end, const ChunkForces& force, double* energy, double* cache, int* inverted) {
+                  int begin, int end, const ChunkForces<double>& force, double* energy, double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
@@ -64,22 +60,23 @@ void neo_gradient(const double* q, const int* nodes, const double* weight, const
     *inverted += n_inverted;
 }
 
-void neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                 const double* cache, const ChunkForces& force) {
+template <class T>
+void neo_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end, const T* cache,
+                 const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block) {
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            const Gradient f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
-            Gradient s;
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            const GradientOf<T> f = gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            GradientOf<T> s;
             clear(s);
             for (int g = 0; g < 8; ++g) {
                 const int gx = g >> 2, gy = g >> 1 & 1, gz = g & 1;
-                const V3 d[3] = {f.x[gy][gz], f.y[gx][gz], f.z[gx][gy]};
-                const double* in = cache + (static_cast<long>(block) * 8 + g) * kNeoPoint * kBlock + lane;
-                V3 c[3];
+                const Vector3<T> d[3] = {f.x[gy][gz], f.y[gx][gz], f.z[gx][gy]};
+                const T* in = cache + (static_cast<long>(block) * 8 + g) * kNeoPoint * kBlock + lane;
+                Vector3<T> c[3];
                 load_columns(in, c);
-                const V a = w * load(in + 9 * kBlock);
-                const V b = w * load(in + 10 * kBlock) * (dot(c[0], d[0]) + dot(c[1], d[1]) + dot(c[2], d[2]));
+                const Lanes<T> a = w * load(in + 9 * kBlock);
+                const Lanes<T> b = w * load(in + 10 * kBlock) * (dot(c[0], d[0]) + dot(c[1], d[1]) + dot(c[2], d[2]));
                 s.x[gy][gz] = s.x[gy][gz] + (a * d[0] + b * c[0]);
                 s.y[gx][gz] = s.y[gx][gz] + (a * d[1] + b * c[1]);
                 s.z[gx][gy] = s.z[gx][gy] + (a * d[2] + b * c[2]);
@@ -114,7 +111,8 @@ void neo_filter(double*, int) {}
 // ---------------------------------------------------------------- volume term
 
 void jacobian_gradient(const double* q, const int* nodes, const double* weight, const double* shift, double inv_dx,
-                       double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache, int*) {
+                       double slab, int begin, int end, const ChunkForces<double>& force, double* energy, double* cache,
+                       int*) {
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
         for (int lane = 0; lane < kBlock; lane += kLanes) {
@@ -136,21 +134,22 @@ void jacobian_gradient(const double* q, const int* nodes, const double* weight, 
     }
 }
 
-void jacobian_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                      const double* cache, const ChunkForces& force) {
+template <class T>
+void jacobian_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end, const T* cache,
+                      const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block) {
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            V3 d[3], c[3];
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            Vector3<T> d[3], c[3];
             at_centre(gradient_of(p, nodes + block * 8 * kBlock + lane, inv_dx), d);
-            const double* in = cache + static_cast<long>(block) * kJacobianPoint * kBlock + lane;
+            const T* in = cache + static_cast<long>(block) * kJacobianPoint * kBlock + lane;
             load_columns(in, c);
-            const V3 k[3] = {cross(c[1], c[2]), cross(c[2], c[0]), cross(c[0], c[1])};
-            const V change = w * (dot(k[0], d[0]) + dot(k[1], d[1]) + dot(k[2], d[2]));
-            const V geometric = w * load(in + 10 * kBlock);
-            const V3 s[3] = {change * k[0] + geometric * (cross(d[1], c[2]) + cross(c[1], d[2])),
-                             change * k[1] + geometric * (cross(d[2], c[0]) + cross(c[2], d[0])),
-                             change * k[2] + geometric * (cross(d[0], c[1]) + cross(c[0], d[1]))};
+            const Vector3<T> k[3] = {cross(c[1], c[2]), cross(c[2], c[0]), cross(c[0], c[1])};
+            const Lanes<T> change = w * (dot(k[0], d[0]) + dot(k[1], d[1]) + dot(k[2], d[2]));
+            const Lanes<T> geometric = w * load(in + 10 * kBlock);
+            const Vector3<T> s[3] = {change * k[0] + geometric * (cross(d[1], c[2]) + cross(c[1], d[2])),
+                                     change * k[1] + geometric * (cross(d[2], c[0]) + cross(c[2], d[0])),
+                                     change * k[2] + geometric * (cross(d[0], c[1]) + cross(c[0], d[1]))};
             scatter(from_centre(s), inv_dx, block, lane, force);
         }
     }

@@ -21,46 +21,51 @@ constexpr double kHourglass[4] = {4.0 / 3.0, 4.0 / 3.0, 4.0 / 3.0, 2.0 / 3.0};
 
 // Affine part and hourglass amplitudes of a field of three-vectors at the corners (node 4 ix + 2 iy + iz), both over
 // dx.
-struct Cell {
-    V3 f[3], h[4];
+template <class T>
+struct CellOf {
+    Vector3<T> f[3], h[4];
 };
+using Cell = CellOf<double>;
 
-inline Cell cell_of(const double* q, const int* nodes, double inv_dx, double slab = 0.0) {
-    V3 c[8];
+template <class T>
+inline CellOf<T> cell_of(const T* q, const int* nodes, double inv_dx, double slab = 0.0) {
+    Vector3<T> c[8];
     for (int k = 0; k < 8; ++k) load_three(q, nodes + k * kBlock, c[k].x, c[k].y, c[k].z);
     // Sums and differences along z, then y, then x: index bits say along which axes the difference was taken.
     for (int bit = 1; bit < 8; bit *= 2)
         for (int k = 0; k < 8; ++k)
             if (!(k & bit)) {
-                const V3 low = c[k], high = c[k | bit];
+                const Vector3<T> low = c[k], high = c[k | bit];
                 c[k] = low + high, c[k | bit] = high - low;
             }
     const double affine = 0.25 * inv_dx, hourglass = 0.125 * inv_dx;
-    Cell cell = {{affine * c[4], affine * c[2], affine * c[1]},
-                 {hourglass * c[3], hourglass * c[5], hourglass * c[6], hourglass * c[7]}};
-    cell.f[2].z += slab;
+    CellOf<T> cell = {{affine * c[4], affine * c[2], affine * c[1]},
+                      {hourglass * c[3], hourglass * c[5], hourglass * c[6], hourglass * c[7]}};
+    cell.f[2].z += static_cast<T>(slab);
     return cell;
 }
 
 // Its transpose.
-inline void spread(const Cell& cell, double inv_dx, int block, int lane, const ChunkForces& out) {
+template <class T>
+inline void spread(const CellOf<T>& cell, double inv_dx, int block, int lane, const ChunkForces<T>& out) {
     const std::uint16_t* slots = out.slots + static_cast<long>(block) * 8 * kBlock + lane;
-    const V zero = V{};
+    const Lanes<T> zero = Lanes<T>{};
     const double affine = 0.25 * inv_dx, hourglass = 0.125 * inv_dx;
-    V3 c[8] = {{zero, zero, zero}, affine * cell.f[2],    affine * cell.f[1],    hourglass * cell.h[0],
-               affine * cell.f[0], hourglass * cell.h[1], hourglass * cell.h[2], hourglass * cell.h[3]};
+    Vector3<T> c[8] = {{zero, zero, zero}, affine * cell.f[2],    affine * cell.f[1],    hourglass * cell.h[0],
+                       affine * cell.f[0], hourglass * cell.h[1], hourglass * cell.h[2], hourglass * cell.h[3]};
     for (int bit = 1; bit < 8; bit *= 2)
         for (int k = 0; k < 8; ++k)
             if (!(k & bit)) {
-                const V3 sum = c[k], difference = c[k | bit];
+                const Vector3<T> sum = c[k], difference = c[k | bit];
                 c[k] = sum - difference, c[k | bit] = sum + difference;
             }
     for (int k = 0; k < 8; ++k) add_three(out.sum, slots + k * kBlock, c[k].x, c[k].y, c[k].z);
 }
 
 // Hourglass forces of a cell for the stiffness w.
-inline void resist(V w, const Cell& cell, Cell& out) {
-    for (int k = 0; k < 4; ++k) out.h[k] = (kHourglass[k] * w) * cell.h[k];
+template <class T>
+inline void resist(Lanes<T> w, const CellOf<T>& cell, CellOf<T>& out) {
+    for (int k = 0; k < 4; ++k) out.h[k] = (static_cast<T>(kHourglass[k]) * w) * cell.h[k];
 }
 inline V hourglass_dot(const Cell& a, const Cell& b) {
     V sum = kHourglass[0] * dot(a.h[0], b.h[0]);
@@ -69,7 +74,7 @@ inline V hourglass_dot(const Cell& a, const Cell& b) {
 }
 
 void reduced_corotated_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx,
-                                double slab, int begin, int end, const ChunkForces& force, double* energy,
+                                double slab, int begin, int end, const ChunkForces<double>& force, double* energy,
                                 double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
@@ -96,16 +101,17 @@ void reduced_corotated_gradient(const double* q, const int* nodes, const double*
     *inverted += n_inverted;
 }
 
-void reduced_corotated_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin,
-                               int end, const double* cache, const ChunkForces& force) {
+template <class T>
+void reduced_corotated_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end,
+                               const T* cache, const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block)
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            const Cell cell = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
-            V3 d[3];
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            const CellOf<T> cell = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            Vector3<T> d[3];
             rotation_change(cache + static_cast<long>(block) * kCorotatedPoint * kBlock + lane, cell.f[0], cell.f[1],
                             cell.f[2], d);
-            Cell s;
+            CellOf<T> s;
             for (int k = 0; k < 3; ++k) s.f[k] = w * (cell.f[k] - d[k]);
             resist(w, cell, s);
             spread(s, inv_dx, block, lane, force);
@@ -135,8 +141,8 @@ void reduced_corotated_filter(double* cache, int blocks) {
 constexpr double kNeoHourglass = 1.5;
 
 void reduced_neo_gradient(const double* q, const int* nodes, const double* weight, const double*, double inv_dx,
-                          double slab, int begin, int end, const ChunkForces& force, double* energy, double* cache,
-                          int* inverted) {
+                          double slab, int begin, int end, const ChunkForces<double>& force, double* energy,
+                          double* cache, int* inverted) {
     int n_inverted = 0;
     for (int block = begin; block < end; ++block) {
         double block_energy = 0.0;
@@ -165,20 +171,21 @@ void reduced_neo_gradient(const double* q, const int* nodes, const double* weigh
     *inverted += n_inverted;
 }
 
-void reduced_neo_product(const double* p, const int* nodes, const double* weight, double inv_dx, int begin, int end,
-                         const double* cache, const ChunkForces& force) {
+template <class T>
+void reduced_neo_product(const T* p, const int* nodes, const T* weight, double inv_dx, int begin, int end,
+                         const T* cache, const ChunkForces<T>& force) {
     for (int block = begin; block < end; ++block)
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const V w = load(weight + block * kBlock + lane);
-            const Cell d = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
-            const double* in = cache + static_cast<long>(block) * kNeoPoint * kBlock + lane;
-            V3 f[3];
+        for (int lane = 0; lane < kBlock; lane += Register<T>::lanes) {
+            const Lanes<T> w = load(weight + block * kBlock + lane);
+            const CellOf<T> d = cell_of(p, nodes + block * 8 * kBlock + lane, inv_dx);
+            const T* in = cache + static_cast<long>(block) * kNeoPoint * kBlock + lane;
+            Vector3<T> f[3];
             load_columns(in, f);
-            const V a = w * load(in + 9 * kBlock);
-            const V b = w * load(in + 10 * kBlock) * (dot(f[0], d.f[0]) + dot(f[1], d.f[1]) + dot(f[2], d.f[2]));
-            Cell s;
+            const Lanes<T> a = w * load(in + 9 * kBlock);
+            const Lanes<T> b = w * load(in + 10 * kBlock) * (dot(f[0], d.f[0]) + dot(f[1], d.f[1]) + dot(f[2], d.f[2]));
+            CellOf<T> s;
             for (int k = 0; k < 3; ++k) s.f[k] = a * d.f[k] + b * f[k];
-            resist(kNeoHourglass * w, d, s);
+            resist(static_cast<T>(kNeoHourglass) * w, d, s);
             spread(s, inv_dx, block, lane, force);
         }
 }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "grid/four.hpp"
 #include "grid/parallel.hpp"
 
 namespace dqa {
@@ -16,7 +17,7 @@ constexpr int kNodeGrain = 128;  // nodes a chunk
 class NodeGather {
 public:
     NodeGather() = default;
-    // Entry k: node[k] receives the vector at place[k] of the element array.
+    // Entry k: node[k] receives the vector at place[k] of the element array, where four numbers are read.
     NodeGather(int n_nodes, const std::vector<int>& node, const std::vector<int>& place);
 
     // f(place) for the node's entries, in the order of the sums.
@@ -28,14 +29,23 @@ public:
 
     int n_nodes() const { return static_cast<int>(start_.size()) - 1; }
     // out[node][3] += scale * sum of the node's entries, for nodes [begin, end).
-    void add(const double* values, double scale, int begin, int end, double* out) const {
+    template <class T>
+    void add(const T* values, T scale, int begin, int end, T* out) const {
         for (int n = begin; n < end; ++n) {
-            double x = 0.0, y = 0.0, z = 0.0;
-            for (int s = start_[static_cast<std::size_t>(n)]; s < start_[static_cast<std::size_t>(n) + 1]; ++s) {
-                const double* v = values + place_[static_cast<std::size_t>(s)];
-                x += v[0], y += v[1], z += v[2];
+            const int first = start_[static_cast<std::size_t>(n)], last = start_[static_cast<std::size_t>(n) + 1];
+            const auto value = [&](int s) { return values + place_[static_cast<std::size_t>(s)]; };
+            if constexpr (sizeof(T) == sizeof(float)) {
+                Four<T> sum = {};  // a register of any x86-64
+                for (int s = first; s < last; ++s) sum += four(value(s));
+                for (int k = 0; k < 3; ++k) out[3 * n + k] += scale * sum[k];
+            } else {
+                T x = 0, y = 0, z = 0;
+                for (int s = first; s < last; ++s) {
+                    const T* v = value(s);
+                    x += v[0], y += v[1], z += v[2];
+                }
+                out[3 * n] += scale * x, out[3 * n + 1] += scale * y, out[3 * n + 2] += scale * z;
             }
-            out[3 * n] += scale * x, out[3 * n + 1] += scale * y, out[3 * n + 2] += scale * z;
         }
     }
     void add(const double* values, double scale, double* out, Threads threads) const {
@@ -59,15 +69,16 @@ public:
     int n_chunks() const { return static_cast<int>(begin_.size()) - 1; }
     // 4 * (node within its chunk), [block][8 corners][8 lanes].
     const std::uint16_t* slots() const { return slots_.data(); }
-    // Doubles of all chunks' sums, [node of a chunk][4].
+    // Numbers of all chunks' sums, [node of a chunk][4].
     std::size_t size() const { return begin_.back(); }
     // Those of chunk k, set to zero.
-    double* cleared(int k, std::vector<double>& sums) const {
+    template <class T>
+    T* cleared(int k, std::vector<T>& sums) const {
         const auto at = sums.begin();
         const auto offset = [&](int chunk) {
             return static_cast<std::ptrdiff_t>(begin_[static_cast<std::size_t>(chunk)]);
         };
-        std::fill(at + offset(k), at + offset(k + 1), 0.0);
+        std::fill(at + offset(k), at + offset(k + 1), T(0));
         return sums.data() + offset(k);
     }
     const NodeGather& gather() const { return gather_; }

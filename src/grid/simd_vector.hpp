@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One SIMD register of doubles for kernel sources that are compiled once per instruction set. Everything here has
-// internal linkage: an inline function shared between translation units of different flags could be merged by the
+// One SIMD register of doubles or floats for kernel sources that are compiled once per instruction set. Everything here
+// has internal linkage: an inline function shared between translation units of different flags could be merged by the
 // linker into the wrong set. Data blocks hold kBlock lanes; a kernel walks them in pieces of kLanes.
 #pragma once
 
@@ -27,16 +27,46 @@ typedef double V __attribute__((vector_size(kLanes * sizeof(double)), aligned(kL
 typedef double Vu __attribute__((vector_size(kLanes * sizeof(double)), aligned(sizeof(double)), may_alias));
 typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
 
+// The same in single precision: a block of floats is as wide as AVX's registers.
+constexpr int kSingleLanes = kLanes < 4 ? 4 : kBlock;
+typedef float Vs
+    __attribute__((vector_size(kSingleLanes * sizeof(float)), aligned(kSingleLanes * sizeof(float)), may_alias));
+typedef float Vsu __attribute__((vector_size(kSingleLanes * sizeof(float)), aligned(sizeof(float)), may_alias));
+typedef int SingleMask __attribute__((vector_size(kSingleLanes * sizeof(int))));
+
+// By the number that a kernel computes with.
+template <class T>
+struct Register;
+template <>
+struct Register<double> {
+    typedef V type;
+    static constexpr int lanes = kLanes;
+};
+template <>
+struct Register<float> {
+    typedef Vs type;
+    static constexpr int lanes = kSingleLanes;
+};
+template <class T>
+using Lanes = typename Register<T>::type;
+
 [[maybe_unused]] inline V load(const double* p) {
     return *reinterpret_cast<const Vu*>(p);
+}
+[[maybe_unused]] inline Vs load(const float* p) {
+    return *reinterpret_cast<const Vsu*>(p);
 }
 [[maybe_unused]] inline void store(double* p, V v) {
     *reinterpret_cast<Vu*>(p) = v;
 }
-// Four doubles of any alignment, a padded three-vector.
+// Four numbers of any alignment, a padded three-vector.
 typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef float FourSingle __attribute__((vector_size(4 * sizeof(float)), aligned(sizeof(float)), may_alias));
 [[maybe_unused]] inline Four& four_at(double* p) {
     return *reinterpret_cast<Four*>(p);
+}
+[[maybe_unused]] inline FourSingle& four_at(float* p) {
+    return *reinterpret_cast<FourSingle*>(p);
 }
 [[maybe_unused]] inline V broadcast(double x) {
     return V{} + x;
@@ -73,6 +103,23 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
     for (int l = 0; l < kLanes; ++l) x[l] = p[index[l]], y[l] = p[index[l] + 1], z[l] = p[index[l] + 2];
 #endif
 }
+// The same of floats. Each row is read as four of them: one float beyond the last vector has to be there.
+[[maybe_unused]] inline void load_three(const float* p, const int* index, Vs& x, Vs& y, Vs& z) {
+#if defined(__AVX2__)
+    __m256 row[4];  // of the lanes l and l + 4
+    for (int l = 0; l < 4; ++l)
+        row[l] =
+            _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(p + index[l])), _mm_loadu_ps(p + index[l + 4]), 1);
+    const __m256 xy01 = _mm256_unpacklo_ps(row[0], row[1]), xy23 = _mm256_unpacklo_ps(row[2], row[3]);
+    const __m256 z01 = _mm256_unpackhi_ps(row[0], row[1]), z23 = _mm256_unpackhi_ps(row[2], row[3]);
+    x = (Vs)_mm256_shuffle_ps(xy01, xy23, 0x44);
+    y = (Vs)_mm256_shuffle_ps(xy01, xy23, 0xee);
+    z = (Vs)_mm256_shuffle_ps(z01, z23, 0x44);
+#else
+    x = y = z = Vs{};
+    for (int l = 0; l < kSingleLanes; ++l) x[l] = p[index[l]], y[l] = p[index[l] + 1], z[l] = p[index[l] + 2];
+#endif
+}
 // The transpose: (x, y, z, 0) of each lane.
 [[maybe_unused]] inline void rows_of(V x, V y, V z, Four row[kLanes]) {
 #if defined(__AVX512F__)
@@ -101,17 +148,42 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
     for (int l = 0; l < kLanes; ++l) row[l] = Four{x[l], y[l], z[l], 0.0};
 #endif
 }
+[[maybe_unused]] inline void rows_of(Vs x, Vs y, Vs z, FourSingle row[kSingleLanes]) {
+#if defined(__AVX2__)
+    const __m256 zero = _mm256_setzero_ps();
+    const __m256 xy01 = _mm256_unpacklo_ps((__m256)x, (__m256)y), xy23 = _mm256_unpackhi_ps((__m256)x, (__m256)y);
+    const __m256 z01 = _mm256_unpacklo_ps((__m256)z, zero), z23 = _mm256_unpackhi_ps((__m256)z, zero);
+    const __m256 both[4] = {_mm256_shuffle_ps(xy01, z01, 0x44), _mm256_shuffle_ps(xy01, z01, 0xee),
+                            _mm256_shuffle_ps(xy23, z23, 0x44), _mm256_shuffle_ps(xy23, z23, 0xee)};
+    for (int l = 0; l < 4; ++l) {
+        row[l] = (FourSingle)_mm256_castps256_ps128(both[l]);
+        row[l + 4] = (FourSingle)_mm256_extractf128_ps(both[l], 1);
+    }
+#else
+    for (int l = 0; l < kSingleLanes; ++l) row[l] = FourSingle{x[l], y[l], z[l], 0.0f};
+#endif
+}
 // To out [lane][4].
 [[maybe_unused]] inline void store_three(double* out, V x, V y, V z) {
     Four row[kLanes];
     rows_of(x, y, z, row);
     for (int l = 0; l < kLanes; ++l) four_at(out + 4 * l) = row[l];
 }
-// Added to the four doubles at p + index[lane].
+[[maybe_unused]] inline void store_three(float* out, Vs x, Vs y, Vs z) {
+    FourSingle row[kSingleLanes];
+    rows_of(x, y, z, row);
+    for (int l = 0; l < kSingleLanes; ++l) four_at(out + 4 * l) = row[l];
+}
+// Added to the four numbers at p + index[lane].
 [[maybe_unused]] inline void add_three(double* p, const std::uint16_t* index, V x, V y, V z) {
     Four row[kLanes];
     rows_of(x, y, z, row);
     for (int l = 0; l < kLanes; ++l) four_at(p + index[l]) += row[l];
+}
+[[maybe_unused]] inline void add_three(float* p, const std::uint16_t* index, Vs x, Vs y, Vs z) {
+    FourSingle row[kSingleLanes];
+    rows_of(x, y, z, row);
+    for (int l = 0; l < kSingleLanes; ++l) four_at(p + index[l]) += row[l];
 }
 [[maybe_unused]] inline V square_root(V v) {
 #if defined(__AVX512F__)
@@ -126,6 +198,9 @@ typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(size
 #endif
 }
 [[maybe_unused]] inline V select(Mask m, V a, V b) {
+    return m ? a : b;
+}
+[[maybe_unused]] inline Vs select(SingleMask m, Vs a, Vs b) {
     return m ? a : b;
 }
 [[maybe_unused]] inline bool any(Mask m) {

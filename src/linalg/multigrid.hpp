@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "grid/four.hpp"
 #include "grid/parallel.hpp"
 #include "linalg/packed_factor.hpp"
 
@@ -16,20 +17,6 @@ namespace dqa {
 
 using GridNode = std::array<int, 3>;
 
-template <class Real>
-struct FourOf {
-    typedef Real type __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
-};
-template <class Real>
-using Four = typename FourOf<Real>::type;
-template <class Real>
-inline Four<Real>& four(Real* p) {
-    return *reinterpret_cast<Four<Real>*>(p);
-}
-template <class Real>
-inline const Four<Real>& four(const Real* p) {
-    return *reinterpret_cast<const Four<Real>*>(p);
-}
 // A 3 x 3 block, row-major, times `scale` by columns of four.
 template <class Real>
 inline void by_columns(const double* block, double scale, Real* out) {

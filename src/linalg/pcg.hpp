@@ -8,12 +8,15 @@
 #include <vector>
 
 #include "grid/parallel.hpp"
+#include "grid/precision.hpp"
 
 namespace dqa {
 
-struct PcgWorkspace {
-    std::vector<double> r, z, p, ap;
+template <class T>
+struct PcgVectors {
+    std::vector<T> x, r, z, p, ap;
 };
+using PcgWorkspace = InBothPrecisions<PcgVectors>;
 
 struct PcgResult {
     int iterations = 0;
@@ -24,18 +27,22 @@ struct PcgResult {
 
 double ordered_dot(const double* a, const double* b, std::size_t n);
 double ordered_norm(const double* a, std::size_t n);
+// Of floats, summed in double precision.
+double ordered_dot(const float* a, const float* b, std::size_t n);
 // The same on several threads, in an order of its own that their number does not change.
 double ordered_dot(const double* a, const double* b, std::size_t n, Threads threads);
 double ordered_norm(const double* a, std::size_t n, Threads threads);
 
 // A system by its products, each with the inner products that an iteration takes of it: who passes over the vectors
 // anyway can take them on the way.
-struct PcgSystem {
-    // out = A p; returns p.out.
-    std::function<double(const double* p, double* out)> apply;
+template <class T>
+struct PcgProducts {
+    // out = A p; returns p.out. In single precision p has one number more than the system, whose value does not matter.
+    std::function<double(const T* p, T* out)> apply;
     // z ~ A^-1 r, with |r|; returns r.z and ap.z.
-    std::function<std::array<double, 2>(const double* r, double norm, const double* ap, double* z)> precondition;
+    std::function<std::array<double, 2>(const T* r, double norm, const T* ap, T* z)> precondition;
 };
+using PcgSystem = PcgProducts<double>;
 
 // Solves A x = b from x = 0 to |r| <= tolerance |b|. Stops at negative curvature, unless `indefinite`: with few
 // negative eigenvalues the iteration as a rule still converges, to a solution that is then no minimum.
@@ -46,5 +53,14 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
               const std::function<void(const double*, double*)>& apply,
               const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,
               bool indefinite = false);
+// The same with iterations in single precision, which pass half the memory. Whenever they have gained two digits the
+// residual is computed anew in double precision, and the directions go on from there (reliable updates: Sleijpen &
+// van der Vorst 1996), also at the end, unless rounding(x), a bound of the rounding of A x in single precision, is far
+// below the tolerance: the result is as exact as the other's. Where single precision does not get on, or finds
+// curvature that is not positive, double precision takes over.
+PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance, int max_iterations,
+                    const PcgSystem& system, const PcgProducts<float>& single,
+                    const std::function<double(const float*)>& rounding, Threads threads, PcgWorkspace& ws,
+                    bool indefinite = false);
 
 }  // namespace dqa

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <type_traits>
 
 #include "linalg/pcg.hpp"
 
@@ -209,24 +210,25 @@ void Preconditioner::turn(const double* q, Threads threads, Workspace& ws) const
         turn_with(q, threads, ws, ws.double_precision);
 }
 
-template <class Real>
-std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const double* in, double norm,
-                                                 const double* other, double* out, Threads threads, Workspace& ws,
-                                                 Scratch<Real>& scratch) const {
+template <class Real, class T>
+std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const T* in, double norm, const T* other,
+                                                 T* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const {
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
     if (!(norm > 0) || !std::isfinite(norm)) {
-        std::fill(out, out + 3 * nodes_.size(), 0.0);
+        std::fill(out, out + 3 * nodes_.size(), T(0));
         return {};
     }
-    const double scale = 1.0 / norm;
-    if (factor_) factor_->solve(in, out, threads, ws.factor);
+    const T scale = static_cast<T>(1.0 / norm), size = static_cast<T>(norm);
+    if constexpr (std::is_same_v<T, double>)
+        if (factor_) factor_->solve(in, out, threads, ws.factor);
     scratch.turned.resize(4 * nodes_.size());
     const Real* turns = scratch.turns.data();
     Real* turned = scratch.turned.data();
     parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
         for (int n = begin; n < end; ++n) {
-            const Real x = static_cast<Real>(scale * in[3 * n]), y = static_cast<Real>(scale * in[3 * n + 1]),
-                       z = static_cast<Real>(scale * in[3 * n + 2]);
+            const T* v = in + 3 * n;
+            const Real x = static_cast<Real>(scale * v[0]), y = static_cast<Real>(scale * v[1]),
+                       z = static_cast<Real>(scale * v[2]);
             const Real* r = turns + 12 * n;
             for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
             turned[4 * n + 3] = 0;
@@ -235,7 +237,7 @@ std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const
     const Real* coarse = parts.coarse->solve(transfer_, turned, threads, scratch.coarse);
     const Real share = factor_ ? static_cast<Real>(kFactorShare) : Real(1);
     const Products sums = parallel_total<Products>(threads, n_nodes(), kGrain, [&](int begin, int end) {
-        Products own;
+        Four<T> with_in = {}, with_other = {};
         for (int n = begin; n < end; ++n) {
             Four<Real> sum = {};
             transfer_.add_from_coarse(n, coarse, sum);
@@ -244,16 +246,13 @@ std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const
             Four<Real> back = {};
             const Real flat[3] = {sum[0], sum[1], sum[2]};
             add_block(turns + 12 * n, flat, back);
-            double here[2] = {};
-            for (int a = 0; a < 3; ++a) {
-                const int i = 3 * n + a;
-                const double value = norm * static_cast<double>(back[a]);
-                out[i] = factor_ ? out[i] + value : value;
-                here[0] += in[i] * out[i], here[1] += other[i] * out[i];
-            }
-            own += Products{here[0], here[1]};
+            T* v = out + 3 * n;
+            Four<T> value = size * __builtin_convertvector(back, Four<T>);
+            if (factor_) value += padded(v);
+            for (int a = 0; a < 3; ++a) v[a] = value[a];
+            with_in += padded(in + 3 * n) * value, with_other += padded(other + 3 * n) * value;
         }
-        return own;
+        return Products{total(with_in), total(with_other)};
     });
     return {sums.with_in, sums.with_other};
 }
@@ -263,6 +262,11 @@ std::array<double, 2> Preconditioner::solve(const double* in, double norm, const
     return precision_ == Precision::single_precision
                ? solve_with(single_, in, norm, other, out, threads, ws, ws.single_precision)
                : solve_with(double_, in, norm, other, out, threads, ws, ws.double_precision);
+}
+
+std::array<double, 2> Preconditioner::solve(const float* in, double norm, const float* other, float* out,
+                                            Threads threads, Workspace& ws) const {
+    return solve_with(single_, in, norm, other, out, threads, ws, ws.single_precision);
 }
 
 void Preconditioner::solve(const double* in, double* out, Threads threads, Workspace& ws) const {

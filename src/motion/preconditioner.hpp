@@ -48,9 +48,13 @@ public:
     // out [n_nodes][3] ~ H^-1 in, not the same array. A symmetric positive definite operator up to rounding, if
     // constrained coordinates are zero in `in` and ignored in `out`.
     void solve(const double* in, double* out, Threads threads, Workspace& ws) const;
+    // Whether there is a solve in single precision: not by the factor.
+    bool has_single() const { return precision_ == Precision::single_precision && !factor_; }
     // The same where the norm of `in` is known (any number of its size serves), with in.out and other.out: the inner
     // products of an iteration, taken on the way.
     std::array<double, 2> solve(const double* in, double norm, const double* other, double* out, Threads threads,
+                                Workspace& ws) const;
+    std::array<double, 2> solve(const float* in, double norm, const float* other, float* out, Threads threads,
                                 Workspace& ws) const;
 
     // Of the Cholesky factors that it holds.
@@ -69,9 +73,9 @@ private:
                const std::function<void(const double*, double*)>& apply, InstructionSet instructions);
     template <class Real>
     void turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
-    template <class Real>
-    std::array<double, 2> solve_with(const Parts<Real>& parts, const double* in, double norm, const double* other,
-                                     double* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
+    template <class Real, class T>
+    std::array<double, 2> solve_with(const Parts<Real>& parts, const T* in, double norm, const T* other, T* out,
+                                     Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
     int n_nodes() const { return static_cast<int>(nodes_.size()); }
 
     Precision precision_;

@@ -31,7 +31,7 @@ struct SceneSettings {
     int max_newton = 50;
     int max_linear = 2000;
     InstructionSet instructions = InstructionSet::automatic;
-    Precision precision = Precision::single_precision;  // of the preconditioner
+    Precision precision = Precision::single_precision;  // of the iterations of linear solves
     PreconditionerKind preconditioner = PreconditionerKind::multilevel;
     double time_step = 1.0 / 30.0;  // s
     double young_modulus = 5e6;     // Pa

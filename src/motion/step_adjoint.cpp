@@ -102,8 +102,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     bool solved = ordered_norm(q_new_bar, size_) == 0.0;
     if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
     if (!solved && scene_.method != Method::newton_direct) {
-        const PcgResult r = pcg(size_, q_new_bar, lambda_.data(), adjoint_tolerance_, scene_.max_linear, system(),
-                                threads_, krylov_, true);
+        const PcgResult r = solve_hessian(q_new_bar, lambda_.data(), adjoint_tolerance_, true);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;

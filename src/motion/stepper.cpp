@@ -97,8 +97,9 @@ void Stepper::begin(const State& now, const StepInput& input) {
                    threads_);
 }
 
-void Stepper::mask(double* field) const {
-    for (const int i : design_->constrained()) field[i] = 0.0;
+template <class T>
+void Stepper::mask(T* field) const {
+    for (const int i : design_->constrained()) field[i] = T(0);
 }
 
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
@@ -132,23 +133,28 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     return e;
 }
 
-double Stepper::apply_hessian(const double* p, double* out) {
+template <class T>
+double Stepper::apply_hessian(const T* p, T* out) {
     if (design_->constrained().empty()) return full_product(p, out);
-    masked_.assign(p, p + size_);
-    mask(masked_.data());
-    double product = full_product(masked_.data(), out);
-    for (const int i : design_->constrained()) out[i] = p[i], product += p[i] * p[i];
+    std::vector<T>& masked = masked_.in(T());
+    masked.resize(size_ + 1);
+    std::copy(p, p + size_, masked.begin());
+    mask(masked.data());
+    double product = full_product(masked.data(), out);
+    for (const int i : design_->constrained()) out[i] = p[i], product += static_cast<double>(p[i] * p[i]);
     return product;
 }
+template double Stepper::apply_hessian(const double*, double*);
 
 void Stepper::precondition(const double* in, double* out) {
     design_->preconditioner().solve(in, out, threads_, preconditioner_);
     mask(out);
 }
 
-PcgSystem Stepper::system() {
-    return {[this](const double* p, double* out) { return apply_hessian(p, out); },
-            [this](const double* r, double norm, const double* ap, double* z) {
+template <class T>
+PcgProducts<T> Stepper::system() {
+    return {[this](const T* p, T* out) { return apply_hessian(p, out); },
+            [this](const T* r, double norm, const T* ap, T* z) {
                 // r and ap are zero on the constrained coordinates.
                 const auto products = design_->preconditioner().solve(r, norm, ap, z, threads_, preconditioner_);
                 mask(z);
@@ -156,8 +162,30 @@ PcgSystem Stepper::system() {
             }};
 }
 
+PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, bool indefinite) {
+    if (!design_->preconditioner().has_single())
+        return pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), threads_, krylov_, indefinite);
+    design_->body().to_single(body_, threads_);
+    // As noise_ in begin().
+    const auto rounding = [this](const float* p) {
+        const double* diagonal = design_->stiffness_diagonal().data();
+        const double square = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+            double sum = 0.0;
+            for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+                const double force = diagonal[i / 3] * static_cast<double>(p[i]);
+                sum += force * force;
+            }
+            return sum;
+        });
+        return 0.25 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::sqrt(square);
+    };
+    return mixed_pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), system<float>(), rounding, threads_,
+                     krylov_, indefinite);
+}
+
 // In two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
-double Stepper::full_product(const double* p, double* out) {
+template <class T>
+double Stepper::full_product(const T* p, T* out) {
     const double inv_h2 = 1.0 / (beta_ * beta_);
     const Body& body = design_->body();
     const Water* water = design_->water();
@@ -171,13 +199,16 @@ double Stepper::full_product(const double* p, double* out) {
     });
     const double* mass = design_->mass().data();
     return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n)
-            for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = mass[n] * inv_h2 * p[i];
+        for (int n = begin; n < end; ++n) {
+            const T inertia = static_cast<T>(mass[n] * inv_h2);
+            for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = inertia * p[i];
+        }
         body.add_product(body_, begin, end, out);
         if (water) water->add_product(water_, begin, end, out);
         return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
 }
+template double Stepper::full_product(const double*, double*);
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
 // yield all of it, from the same kernel that the iterative solver uses.
@@ -241,8 +272,7 @@ bool Stepper::newton_direction(double forcing, StepReport& report) {
         }
         return false;
     }
-    const PcgResult r =
-        pcg(size_, b.data(), direction_.data(), forcing, scene_.max_linear, system(), threads_, krylov_);
+    const PcgResult r = solve_hessian(b.data(), direction_.data(), forcing, false);
     report.linear_iterations += r.iterations;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
     return r.iterations > 0 && std::isfinite(r.relative_residual);

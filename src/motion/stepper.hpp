@@ -90,11 +90,17 @@ private:
             f(3 * static_cast<std::size_t>(begin), 3 * static_cast<std::size_t>(end));
         });
     }
-    double apply_hessian(const double* p, double* out);  // of the free coordinates, the identity on the others; p.out
-    double full_product(const double* p, double* out);   // of all coordinates; p.out
+    template <class T>
+    double apply_hessian(const T* p, T* out);  // of the free coordinates, the identity on the others; p.out
+    template <class T>
+    double full_product(const T* p, T* out);  // of all coordinates; p.out
     void precondition(const double* in, double* out);
-    PcgSystem system();              // of both
-    void mask(double* field) const;  // zero on the constrained coordinates
+    template <class T>
+    PcgProducts<T> system();  // of both
+    // H x = b, in mixed precision where the preconditioner is in single precision.
+    PcgResult solve_hessian(const double* b, double* x, double tolerance, bool indefinite);
+    template <class T>
+    void mask(T* field) const;  // zero on the constrained coordinates
     double dot(const double* a, const double* b) const { return ordered_dot(a, b, size_, threads_); }
     SymmetricMatrix assemble();
     bool newton_direction(double forcing, StepReport& report);
@@ -142,7 +148,7 @@ private:
     std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
     std::vector<double> candidate_, right_;
-    std::vector<double> masked_;                         // scratch of apply_hessian
+    InBothPrecisions<std::vector> masked_;               // scratch of apply_hessian
     std::array<std::vector<double>, 2> preconditioned_;  // scratch of shifted_direction
     bool two_step_ = false;
     double beta_ = 0.0;                      // s

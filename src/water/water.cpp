@@ -100,8 +100,12 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
                 Threads threads) const {
     const std::size_t nf = faces_.size();
     const std::size_t room = (nf + 7) / 8 * 8;
-    ws.cd.resize(room), ws.ct.resize(room), ws.k.resize(nf), ws.n.resize(3 * room), ws.area.resize(nf);
-    ws.u.resize(3 * nf), ws.force.resize(4 * room);
+    const auto make_room = [&](auto& resistance) {
+        resistance.cd.resize(room), resistance.ct.resize(room), resistance.n.resize(3 * room);
+        resistance.force.resize(4 * room);
+    };
+    make_room(ws.exact), make_room(ws.single);
+    ws.k.resize(nf), ws.area.resize(nf), ws.u.resize(3 * nf);
     ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     parallel_chunks(threads, n_faces(), kChunk, [&](int begin, int end) {
@@ -119,11 +123,16 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double w = half_rho * std::fabs(f.weight) * area * counted(x);
             const WaterLaws::Angle angle = laws_.angle(x);
             ws.area[i] = area;
-            for (std::size_t k = 0; k < 3; ++k) ws.n[i / 8 * 24 + 8 * k + i % 8] = a[k] / area, ws.u[3 * i + k] = u[k];
-            ws.cd[i] = w * laws_.drag(angle).value * speed;
-            ws.ct[i] = w * laws_.thrust_slope(angle).value * lateral2 / speed;
+            for (std::size_t k = 0; k < 3; ++k)
+                ws.exact.n[i / 8 * 24 + 8 * k + i % 8] = a[k] / area, ws.u[3 * i + k] = u[k];
+            ws.exact.cd[i] = w * laws_.drag(angle).value * speed;
+            ws.exact.ct[i] = w * laws_.thrust_slope(angle).value * lateral2 / speed;
             ws.k[i] = w * laws_.thrust_rest() * lateral2;
         }
+        const std::size_t first = static_cast<std::size_t>(begin), last = static_cast<std::size_t>(end + 7) / 8 * 8;
+        convert(ws.exact.cd, ws.single.cd, first, last);
+        convert(ws.exact.ct, ws.single.ct, first, last);
+        convert(ws.exact.n, ws.single.n, 3 * first, 3 * last);
     });
 }
 
@@ -161,23 +170,18 @@ double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const d
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
             const Vec3 n = ws.normal(i);
             const double nu = dot(n, u);
-            double* force = ws.force.data() + 4 * i;
-            for (std::size_t k = 0; k < 3; ++k) force[k] = ws.cd[i] * u[k] + (ws.ct[i] * nu + ws.k[i]) * n[k];
+            double* force = ws.exact.force.data() + 4 * i;
+            for (std::size_t k = 0; k < 3; ++k)
+                force[k] = ws.exact.cd[i] * u[k] + (ws.exact.ct[i] * nu + ws.k[i]) * n[k];
             if (settings_.explicit_forces) {
                 const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
                 e += h * (force[0] * fresh[0] + force[1] * fresh[1] + force[2] * fresh[2]);
             } else {
-                e += h * (0.5 * (ws.cd[i] * dot(u, u) + ws.ct[i] * nu * nu) + ws.k[i] * nu);
+                e += h * (0.5 * (ws.exact.cd[i] * dot(u, u) + ws.exact.ct[i] * nu * nu) + ws.k[i] * nu);
             }
         }
         return e;
     });
-}
-
-void Water::product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const {
-    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, h, k); });
-    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
-                    [&](int begin, int end) { add_product(ws, begin, end, out); });
 }
 
 int Water::n_chunks() const {
@@ -185,14 +189,32 @@ int Water::n_chunks() const {
     return (n_faces() + kChunk - 1) / kChunk;
 }
 
-void Water::product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const {
-    const int begin = k * (kChunk / 8), end = std::min(begin + kChunk / 8, (n_faces() + 7) / 8);
-    kernels_.product(p, nodes_.data(), ws.cd.data(), ws.ct.data(), ws.n.data(), 1.0 / h, begin, end, ws.force.data());
+template <class T>
+void Water::product(WaterWorkspace& ws, const T* p, double h, Threads threads, T* out) const {
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, h, k); });
+    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
+                    [&](int begin, int end) { add_product(ws, begin, end, out); });
 }
+template void Water::product(WaterWorkspace&, const double*, double, Threads, double*) const;
+template void Water::product(WaterWorkspace&, const float*, double, Threads, float*) const;
 
-void Water::add_product(const WaterWorkspace& ws, int begin, int end, double* out) const {
-    if (!settings_.explicit_forces) gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
+template <class T>
+void Water::product_chunk(WaterWorkspace& ws, const T* p, double h, int k) const {
+    const int begin = k * (kChunk / 8), end = std::min(begin + kChunk / 8, (n_faces() + 7) / 8);
+    WaterResistance<T>& at = ws.in(T());
+    kernels_.product.in(T())(p, nodes_.data(), at.cd.data(), at.ct.data(), at.n.data(), 1.0 / h, begin, end,
+                             at.force.data());
 }
+template void Water::product_chunk(WaterWorkspace&, const double*, double, int) const;
+template void Water::product_chunk(WaterWorkspace&, const float*, double, int) const;
+
+template <class T>
+void Water::add_product(const WaterWorkspace& ws, int begin, int end, T* out) const {
+    // a quarter to each corner
+    if (!settings_.explicit_forces) gather_.add(ws.in(T()).force.data(), T(0.25), begin, end, out);
+}
+template void Water::add_product(const WaterWorkspace&, int, int, double*) const;
+template void Water::add_product(const WaterWorkspace&, int, int, float*) const;
 
 void WaterParameterBar::operator+=(const WaterParameterBar& o) {
     density += o.density;
@@ -212,9 +234,9 @@ void Water::face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, con
     const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
     const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
     Vec3 n_bar{};
-    for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.ct[i] * (m[k] * nun + un[k] * nm) + ws.k[i] * m[k];
+    for (std::size_t k = 0; k < 3; ++k) n_bar[k] = ws.exact.ct[i] * (m[k] * nun + un[k] * nm) + ws.k[i] * m[k];
     Vec3 un_bar{};
-    for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.cd[i] * l[k] + ws.ct[i] * nm * n[k];
+    for (std::size_t k = 0; k < 3; ++k) un_bar[k] = ws.exact.cd[i] * l[k] + ws.exact.ct[i] * nm * n[k];
     // Lagged coefficients back to u, n, area, weight, spine.
     const double u2 = dot(u, u), speed = std::sqrt(u2 + eps2), su = dot(ws.spine, u), lateral2 = u2 - su * su;
     const double nu = dot(n, u), x = nu / speed;
@@ -318,7 +340,7 @@ double Water::dissipation(const WaterWorkspace& ws, const double* q_new, const d
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h), n = ws.normal(i);
         const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
-        power += ws.cd[i] * dot(u, fresh) + ws.ct[i] * dot(n, u) * dot(n, fresh);
+        power += ws.exact.cd[i] * dot(u, fresh) + ws.exact.ct[i] * dot(n, u) * dot(n, fresh);
     }
     return power;
 }
@@ -335,8 +357,8 @@ WaterTotals Water::totals(const WaterWorkspace& ws, const double* q_new, const d
         for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
             const Vec3 n = ws.normal(i);
-            own.drag = axpy(-ws.cd[i], u, own.drag);
-            own.thrust = axpy(-(ws.ct[i] * dot(n, u) + ws.k[i]), n, own.thrust);
+            own.drag = axpy(-ws.exact.cd[i], u, own.drag);
+            own.thrust = axpy(-(ws.exact.ct[i] * dot(n, u) + ws.k[i]), n, own.thrust);
             own.wet_area += std::fabs(faces_[i].weight) * ws.area[i];
         }
         return own;

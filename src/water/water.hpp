@@ -39,18 +39,23 @@ struct WaterSettings {
     bool windward_only = false;
 };
 
-// Lagged coefficients of every face, [n_faces] each, and the state they came from. What products need has room for
-// whole blocks of 8 faces, zero beyond the last; n as [block][3][8].
-struct WaterWorkspace {
-    std::vector<double> cd, ct, k, n;
+// What products need of every face, with room for whole blocks of 8, zero beyond the last; n as [block][3][8].
+template <class T>
+struct WaterResistance {
+    std::vector<T> cd, ct, n;
+    std::vector<T> force;  // [n_faces][4], scratch of gradient and product
+};
+
+// Lagged coefficients of every face, [n_faces] each, and the state they came from. In single precision a copy is kept.
+struct WaterWorkspace : InBothPrecisions<WaterResistance> {
+    std::vector<double> k;
     std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
-    std::vector<double> force;    // [n_faces][4], scratch of gradient and product
     // Scratch of the pullbacks, by face: cotangents of the new and the lagged velocity and of the two diagonals,
     // [n_faces][4][4], and of the occupancy jump.
     std::vector<double> face_bar, jump_bar;
 
     Vec3 normal(std::size_t face) const {
-        const double* at = n.data() + face / 8 * 24 + face % 8;
+        const double* at = exact.n.data() + face / 8 * 24 + face % 8;
         return {at[0], at[8], at[16]};
     }
     Vec3 spine{}, current{};
@@ -91,16 +96,19 @@ public:
     double gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
                              Threads threads) const;
     void add_gradient(const WaterWorkspace& ws, int begin, int end, double* out) const {
-        gather_.add(ws.force.data(), 0.25, begin, end, out);  // a quarter to each corner
+        gather_.add(ws.exact.force.data(), 0.25, begin, end, out);  // a quarter to each corner
     }
     // out += H p.
-    void product(WaterWorkspace& ws, const double* p, double h, Threads threads, double* out) const;
+    template <class T>
+    void product(WaterWorkspace& ws, const T* p, double h, Threads threads, T* out) const;
     // The same in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then out += their sums
     // on the nodes [begin, end).
     int n_chunks() const;
     int chunk_node(int k) const { return faces_[static_cast<std::size_t>(k) * kChunk].nodes[0] / 3; }
-    void product_chunk(WaterWorkspace& ws, const double* p, double h, int k) const;
-    void add_product(const WaterWorkspace& ws, int begin, int end, double* out) const;
+    template <class T>
+    void product_chunk(WaterWorkspace& ws, const T* p, double h, int k) const;
+    template <class T>
+    void add_product(const WaterWorkspace& ws, int begin, int end, T* out) const;
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
     // positions) q_bar, v_bar and spine_bar, current_bar, parameter_bar, and occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,

@@ -13,7 +13,8 @@
 //   factor      preconditioner by the packed factor and coarse grids
 //   vectors     what conjugate gradients do besides
 //   forces      energy and forces of the body with their linearisation
-// `iteration` is body, water, multilevel and vectors together.
+// `iteration` is body, water, multilevel and vectors together. Solves iterate in single precision, and check themselves
+// in double precision.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +29,7 @@ using namespace bench;
 using dqa::Threads;
 
 constexpr char kHeader[] =
-    "scene,grid,active_cells,part,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up";
+    "scene,grid,active_cells,part,precision,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up";
 
 struct Settings : SceneRuns {
     double seconds = 0.4;  // of each part
@@ -81,39 +82,51 @@ public:
         }
         one_.clear();
         for (const double threads : s_.threads)
-            dqa::with_crew(static_cast<int>(threads),
-                           [&](Threads t) { parts(scene, *design, *with_factor, simulation.state(), signals, t); });
+            dqa::with_crew(static_cast<int>(threads), [&](Threads t) {
+                parts<float>(scene, *design, *with_factor, simulation.state(), signals, t);
+                parts<double>(scene, *design, *with_factor, simulation.state(), signals, t);
+            });
     }
 
 private:
+    template <class T>
     void parts(const Scene& scene, const dqa::Design& design, const dqa::Design& with_factor, const dqa::State& state,
                const Vector& signals, Threads threads) {
         const std::size_t size = 3 * static_cast<std::size_t>(design.n_nodes());
-        const double field = static_cast<double>(size * sizeof(double)), h = design.scene().time_step;
+        constexpr bool single = sizeof(T) == sizeof(float);
+        const double field = static_cast<double>(size * sizeof(T)), h = design.scene().time_step;
         const double* q = state.q.data();
-        Vector p(size), out(size), other(size);
-        for (std::size_t i = 0; i < size; ++i) p[i] = std::sin(1.0 + static_cast<double>(i));
+        Vector elastic(size), muscles(size), right(size), solution(size);
+        std::vector<T> p(size + 1), out(size), other(size);
+        for (std::size_t i = 0; i < size; ++i)
+            right[i] = std::sin(1.0 + static_cast<double>(i)), p[i] = static_cast<T>(right[i]);
         sum_bound_ = sum_time_ = sum_bytes_ = 0.0;
         const auto part = [&](const char* name, double bytes, bool of_iteration, const std::function<void()>& call) {
             const double bandwidth = triad(bytes, s_.seconds, threads);
-            report(scene, design, name, threads, bytes, bytes / bandwidth, least_time(s_.seconds, call), of_iteration);
+            report(scene, design, name, single, threads, bytes, bytes / bandwidth, least_time(s_.seconds, call),
+                   of_iteration);
         };
 
         dqa::BodyWorkspace body;
-        const auto forces = [&] { design.body().gradient(body, q, signals.data(), threads, out.data(), other.data()); };
+        const auto forces = [&] {
+            design.body().gradient(body, q, signals.data(), threads, elastic.data(), muscles.data());
+        };
         forces();
+        design.body().to_single(body, threads);
         double cache = 0.0;
         for (const dqa::TermWorkspace& term : body.terms)
-            cache += static_cast<double>((term.cache.size() + term.rest.size()) * sizeof(double));
+            cache += static_cast<double>((term.in(T()).cache.size() + term.in(T()).rest.size()) * sizeof(T));
         part("body", cache + 3 * field, true, [&] { design.body().product(body, p.data(), threads, out.data()); });
 
         if (const dqa::Water* water = design.water()) {
             dqa::WaterWorkspace ws;
             water->lag(ws, q, state.v.data(), design.sensors().direction(q), {}, threads);
-            const double faces = static_cast<double>((ws.cd.size() + ws.ct.size() + ws.n.size()) * sizeof(double));
+            const dqa::WaterResistance<T>& of = ws.in(T());
+            const double faces = static_cast<double>((of.cd.size() + of.ct.size() + of.n.size()) * sizeof(T));
             part("water", faces + 3 * field, true, [&] { water->product(ws, p.data(), h, threads, out.data()); });
         }
         for (const bool factor : {false, true}) {
+            if (factor && single) continue;  // the factor takes and gives vectors in double precision
             const dqa::Preconditioner& preconditioner = (factor ? with_factor : design).preconditioner();
             dqa::Preconditioner::Workspace ws;
             preconditioner.turn(q, threads, ws);
@@ -123,30 +136,44 @@ private:
         // Stand-ins that cost nothing; the residual alternates, so that all iterations are done.
         constexpr int kIterations = 20;
         dqa::PcgWorkspace ws;
-        const dqa::PcgSystem idle{[](const double*, double*) { return 1.0; },
-                                  [](const double*, double, const double*, double*) {
-                                      return std::array<double, 2>{1.0, -1.0};
-                                  }};
-        const auto iterate = [&] { dqa::pcg(size, p.data(), out.data(), 0.0, kIterations, idle, threads, ws); };
+        const auto iterate = [&] {
+            if (single)
+                dqa::mixed_pcg(
+                    size, right.data(), solution.data(), 0.0, kIterations, idle<double>(), idle<float>(),
+                    [](const float*) { return 0.0; }, threads, ws);
+            else
+                dqa::pcg(size, right.data(), solution.data(), 0.0, kIterations, idle<double>(), threads, ws);
+        };
         const double vectors = least_time(s_.seconds, iterate) / kIterations, bytes = 9 * field;
-        report(scene, design, "vectors", threads, bytes, bytes / triad(bytes, s_.seconds, threads), vectors, true);
-        report(scene, design, "iteration", threads, sum_bytes_, sum_bound_, sum_time_, false);
-        part("forces", cache + 3 * field, false, forces);
+        report(scene, design, "vectors", single, threads, bytes, bytes / triad(bytes, s_.seconds, threads), vectors,
+               true);
+        report(scene, design, "iteration", single, threads, sum_bytes_, sum_bound_, sum_time_, false);
+        if (!single) part("forces", cache + 3 * field, false, forces);
     }
 
-    void report(const Scene& scene, const dqa::Design& design, const char* part, Threads threads, double bytes,
-                double bound, double time, bool of_iteration) {
+    template <class T>
+    static dqa::PcgProducts<T> idle() {
+        return {[](const T*, T*) { return 1.0; },
+                [](const T*, double, const T*, T*) {
+                    return std::array<double, 2>{1.0, -1.0};
+                }};
+    }
+
+    void report(const Scene& scene, const dqa::Design& design, const char* part, bool single, Threads threads,
+                double bytes, double bound, double time, bool of_iteration) {
+        const char* precision = kPrecisions[single ? 0 : 1];
         if (of_iteration) sum_bytes_ += bytes, sum_bound_ += bound, sum_time_ += time;
-        const double one = one_.try_emplace(part, time).first->second;
+        const double one = one_.try_emplace(std::string(part) + precision, time).first->second;
         std::printf(
-            "%-12s %6d cells, %d threads: %-10s %8.0f KiB at %5.1f GB/s: bound %7.1f us, takes %7.1f us: %4.1f times, "
+            "%-12s %6d cells, %d threads: %-10s %s %8.0f KiB at %5.1f GB/s: bound %7.1f us, takes %7.1f us: %4.1f "
+            "times, "
             "speed-up %.2f\n",
-            scene.name.c_str(), design.set().n_cells(), threads.count, part, bytes / 1024, 1e-3 * bytes / bound, bound,
-            time, time / bound, one / time);
+            scene.name.c_str(), design.set().n_cells(), threads.count, part, precision, bytes / 1024,
+            1e-3 * bytes / bound, bound, time, time / bound, one / time);
         std::fflush(stdout);
-        csv_.row("%s,%s,%d,%s,%d,%.1f,%.2f,%.4f,%.4f,%.4f,%.3f\n", scene.name.c_str(), scene.grid_text().c_str(),
-                 design.set().n_cells(), part, threads.count, bytes / 1024, 1e-3 * bytes / bound, bound, time,
-                 time / bound, one / time);
+        csv_.row("%s,%s,%d,%s,%s,%d,%.1f,%.2f,%.4f,%.4f,%.4f,%.3f\n", scene.name.c_str(), scene.grid_text().c_str(),
+                 design.set().n_cells(), part, precision, threads.count, bytes / 1024, 1e-3 * bytes / bound, bound,
+                 time, time / bound, one / time);
     }
 
     const Settings& s_;

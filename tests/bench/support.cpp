@@ -118,7 +118,7 @@ Outcome run_library(const Scene& scene, const Setup& s) {
     check(dqa_simulator_options_init(&o, sizeof o), "options");
     o.method = s.method, o.integrator = s.integrator, o.material = s.material, o.threads = s.threads;
     o.threshold = s.threshold, o.tolerance = s.tolerance, o.adjoint_tolerance = s.adjoint_tolerance;
-    o.time_step = s.time_step, o.preconditioner_precision = s.precision, o.quadrature = s.quadrature;
+    o.time_step = s.time_step, o.linear_precision = s.precision, o.quadrature = s.quadrature;
     Simulator simulator;
     check(dqa_simulator_create(space.p, &o, &simulator.p), "simulator");
     const Vector weights(static_cast<std::size_t>(scene.n_bases), 1.0 / scene.n_bases);

@@ -56,7 +56,7 @@ constexpr const char* kMethods[] = {"newton_pcg", "newton_direct", "projective",
 constexpr int kReferenceMethod = 3;
 constexpr const char* kIntegrators[] = {"euler", "bdf2"};
 constexpr const char* kQuadratures[] = {"full", "reduced"};  // the reference has full
-constexpr const char* kPrecisions[] = {"single", "double"};  // of the preconditioner
+constexpr const char* kPrecisions[] = {"single", "double"};  // of linear iterations
 
 struct Setup {
     int method = 0, integrator = 0, material = 0, quadrature = 1, precision = 0, threads = 1;

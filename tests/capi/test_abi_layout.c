@@ -100,7 +100,7 @@ AT(dqa_simulator_options, angle_smoothing, 232)
 AT(dqa_simulator_options, surface_smoothing, 240)
 AT(dqa_simulator_options, cancel, 248)
 AT(dqa_simulator_options, water_faces, 256)
-AT(dqa_simulator_options, preconditioner_precision, 260)
+AT(dqa_simulator_options, linear_precision, 260)
 AT(dqa_simulator_options, quadrature, 264)
 AT(dqa_simulator_options, padding, 268)
 

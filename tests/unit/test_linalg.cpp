@@ -251,6 +251,101 @@ void test_pcg_special_cases() {
     CHECK(!r.converged);
 }
 
+// Conjugate gradients that iterate in single precision, on diagonal systems. Their products are exact, or as wrong as
+// `error` says; they are counted.
+struct MixedTrial {
+    Vector diagonal;
+    float error = 0.0f;
+    double rounding = 0.0;  // as it is told to the solver
+    int singles = 0, doubles = 0;
+    PcgWorkspace ws;
+
+    PcgResult solve(const Vector& b, Vector& x, double tolerance, int limit = 200, bool indefinite = false) {
+        const std::size_t n = diagonal.size();
+        singles = doubles = 0;
+        x.assign(n, 7.0);
+        return mixed_pcg(
+            n, b.data(), x.data(), tolerance, limit, products<double>(doubles, 0.0), products<float>(singles, error),
+            [&](const float*) { return rounding; }, 1, ws, indefinite);
+    }
+
+private:
+    template <class T>
+    PcgProducts<T> products(int& count, T wrong) {
+        return {[this, &count, wrong](const T* p, T* out) {
+                    ++count;
+                    for (std::size_t i = 0; i < diagonal.size(); ++i)
+                        out[i] = static_cast<T>(diagonal[i]) * p[i] * (1 + (i % 2 ? wrong : -wrong));
+                    return ordered_dot(p, out, diagonal.size());
+                },
+                [this](const T* r, double, const T* ap, T* z) -> std::array<double, 2> {
+                    std::copy(r, r + diagonal.size(), z);
+                    return {ordered_dot(r, z, diagonal.size()), ordered_dot(ap, z, diagonal.size())};
+                }};
+    }
+};
+
+void test_mixed_pcg() {
+    MixedTrial trial;
+    Random random{9};
+    for (int i = 0; i < 60; ++i) trial.diagonal.push_back(std::pow(10.0, between(random, -2, 0)));
+    const Vector b = random_vector(60, random, 1e-30);  // its squares are below the least float
+    const auto residual = [&](const Vector& x) {
+        Vector r = b;
+        for (std::size_t i = 0; i < r.size(); ++i) r[i] -= trial.diagonal[i] * x[i];
+        return norm_of(r) / norm_of(b);
+    };
+    Vector x;
+    // Far beyond the digits of floats, in products that are nearly all in single precision.
+    trial.rounding = 1.0;
+    PcgResult r = trial.solve(b, x, 1e-12);
+    CHECK(r.converged && residual(x) <= 1e-12);
+    NEAR(residual(x), r.relative_residual, 1e-15);
+    CHECK(trial.singles == r.iterations && trial.doubles >= 6 && trial.doubles <= 8);
+    // Rounding far below the tolerance needs no check; close to it, it does.
+    trial.rounding = 1e-4;
+    r = trial.solve(b, x, 2e-2);
+    CHECK(r.converged && residual(x) <= 2e-2 && trial.doubles == 0);
+    trial.rounding = 1e-2;
+    r = trial.solve(b, x, 2e-2);
+    CHECK(r.converged && residual(x) <= 2e-2 && trial.doubles == 1);
+    // Products that are wrong in the second digit still serve, a digit at a time; wrong by half, they do not, and
+    // double precision takes over.
+    trial.error = 0.02f;
+    r = trial.solve(b, x, 1e-8);
+    CHECK(r.converged && residual(x) <= 1e-8 && trial.singles == r.iterations);
+    trial.error = 0.5f;
+    r = trial.solve(b, x, 1e-8);
+    CHECK(r.converged && residual(x) <= 1e-8 && trial.singles < r.iterations && trial.doubles > 10);
+    // The limit is one for both.
+    r = trial.solve(b, x, 1e-8, 20);
+    CHECK(!r.converged && r.iterations == 20);
+    NEAR(residual(x), r.relative_residual, 1e-6);
+}
+
+// What is no minimum, not finite or nothing at all ends as in double precision.
+void test_mixed_pcg_special_cases() {
+    MixedTrial trial;
+    trial.rounding = 1.0;
+    Vector b = {1, 2, 3, 4}, x;
+    trial.diagonal = {1, 2, -30, 4};
+    PcgResult r = trial.solve(b, x, 1e-12);
+    CHECK(r.negative_curvature && !r.converged && r.iterations == 0 && norm_of(x) == 0.0);
+    trial.diagonal = {-0.5, 2, 3, 4};
+    r = trial.solve(b, x, 1e-12);
+    CHECK(r.negative_curvature && !r.converged && r.iterations >= 1 && dot_of(x, b) > 0);
+    r = trial.solve(b, x, 1e-12, 20, true);
+    CHECK(r.negative_curvature && r.converged);
+    for (std::size_t i = 0; i < 4; ++i) NEAR(x[i], b[i] / trial.diagonal[i], 1e-10);
+    r = trial.solve({0, 0, 0, 0}, x, 1e-12);
+    CHECK(r.converged && r.iterations == 0 && norm_of(x) == 0.0);
+    trial.diagonal = {1, 2, 3, std::nan("")};
+    CHECK(!trial.solve(b, x, 1e-12).converged);
+    trial.diagonal = {1, 2, 3, 4};
+    b[1] = std::nan("");
+    CHECK(!trial.solve(b, x, 1e-12).converged);
+}
+
 // The direct solvers work on the calling thread: who has asked for one thread gets no more.
 void test_no_hidden_threads() {
     const std::filesystem::path tasks = "/proc/self/task";
@@ -307,8 +402,9 @@ void test_direct_solvers() {
 int main() {
     const CMUnitTest tests[] = {
         TEST(test_no_hidden_threads),  // before others start some
-        TEST(test_nested_dissection),      TEST(test_factorise),         TEST(test_packed_solve),
-        TEST(test_pcg_with_packed_factor), TEST(test_pcg_special_cases), TEST(test_direct_solvers),
+        TEST(test_nested_dissection),       TEST(test_factorise),         TEST(test_packed_solve),
+        TEST(test_pcg_with_packed_factor),  TEST(test_pcg_special_cases), TEST(test_mixed_pcg),
+        TEST(test_mixed_pcg_special_cases), TEST(test_direct_solvers),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

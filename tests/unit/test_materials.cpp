@@ -29,7 +29,9 @@ struct Block {
         for (const double m : sample.mu) elasticity.lambda.push_back(m * between(random, 0.5, 9.0));
     }
     Body body() const { return body(elasticity); }
-    Body body(const Elasticity& e) const { return Body(sample.set, e, sample.muscles, 0.2, InstructionSet::automatic); }
+    Body body(const Elasticity& e, InstructionSet set = InstructionSet::automatic) const {
+        return Body(sample.set, e, sample.muscles, 0.2, set);
+    }
 };
 
 void test_rest_and_rigid_motion() {
@@ -105,6 +107,37 @@ void test_derivatives() {
             NEAR(dot_of(r, hp), dot_of(p, hr), 1e-13 * norm_of(p) * norm_of(hr));
         }
     report_worst("gradient and Hessian");
+}
+
+// Products in single precision are those in double precision to its rounding, whatever the instruction set, the number
+// of threads and what stands behind the last coordinate.
+void test_single_precision() {
+    for (const Law& m : kLaws) {
+        const Block b(m, 70);
+        Random random{5};
+        const Vector q = b.sample.displaced(0.25), p = random_vector(q.size(), random);
+        std::vector<float> single(p.begin(), p.end());
+        single.push_back(std::numeric_limits<float>::quiet_NaN());
+        for (const InstructionSet set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+            const Body body = b.body(b.elasticity, set);
+            BodyWorkspace ws;
+            evaluate(body, ws, q, b.sample.signals);
+            const auto single_product = [&](int threads) {
+                body.to_single(ws, threads);
+                std::vector<float> out(q.size(), 0.0f);
+                body.product(ws, single.data(), threads, out.data());
+                return out;
+            };
+            const std::vector<float> hp = single_product(1);
+            const double error = relative_difference(Vector(hp.begin(), hp.end()), product(body, ws, p));
+            CHECK(error > 1e-9 && error < 3e-7);
+            for (const int threads : {2, 3}) CHECK(single_product(threads) == hp);
+            // It follows the linearisation.
+            body.filter(ws);
+            const std::vector<float> filtered = single_product(1);
+            NEAR(relative_difference(Vector(filtered.begin(), filtered.end()), product(body, ws, p)), 0.0, 3e-7);
+        }
+    }
 }
 
 void test_parameters() {
@@ -199,6 +232,7 @@ int main() {
         TEST(test_rest_and_rigid_motion),
         TEST(test_hooke),
         TEST(test_derivatives),
+        TEST(test_single_precision),
         TEST(test_parameters),
         TEST(test_filter),
         TEST(test_cancelling),

@@ -129,6 +129,12 @@ void test_potential_and_hessian() {
     const Vector moved = s.gradient(plus(q_new, 1.0, p), s.q, s.v, s.spine, s.occupancy);
     NEAR(relative_difference(hp, plus(moved, -1.0, g)), 0.0, 1e-10);
     NEAR(dot_of(r, hp), dot_of(p, hr), 1e-13 * norm_of(r) * norm_of(hp));
+    // In single precision the same, whatever stands behind the last coordinate.
+    std::vector<float> single(p.begin(), p.end()), single_hp(p.size(), 0.0f);
+    single.push_back(std::numeric_limits<float>::quiet_NaN());
+    w.product(ws, single.data(), kStep, 1, single_hp.data());
+    const double error = relative_difference(Vector(single_hp.begin(), single_hp.end()), hp);
+    CHECK(error > 1e-9 && error < 3e-7);
     // Positive semidefinite, whatever the state.
     const Eigen::Index n = static_cast<Eigen::Index>(s.q.size());
     Eigen::MatrixXd h(n, n);

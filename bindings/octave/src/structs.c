@@ -58,7 +58,7 @@ static const field simulator_options_fields[] = {
     ROW(dqa_simulator_options, drag_coefficients, DOUBLE), ROW(dqa_simulator_options, thrust_coefficients, DOUBLE),
     ROW(dqa_simulator_options, speed_smoothing, DOUBLE), ROW(dqa_simulator_options, angle_smoothing, DOUBLE),
     ROW(dqa_simulator_options, surface_smoothing, DOUBLE), ROW(dqa_simulator_options, water_faces, INT32),
-    ROW(dqa_simulator_options, preconditioner_precision, INT32), ROW(dqa_simulator_options, quadrature, INT32), END};
+    ROW(dqa_simulator_options, linear_precision, INT32), ROW(dqa_simulator_options, quadrature, INT32), END};
 static const field simulator_info_fields[] = {
     ROW(dqa_simulator_info, dims, INT32), ROW(dqa_simulator_info, n_bases, INT32),
     ROW(dqa_simulator_info, n_signals, INT32), ROW(dqa_simulator_info, n_sensors, INT32),

@@ -262,7 +262,7 @@ typedef struct dqa_simulator_options {
     double surface_smoothing;
     dqa_cancel_token *cancel;
     int32_t water_faces;
-    int32_t preconditioner_precision;
+    int32_t linear_precision;
     int32_t quadrature;
     int32_t padding;
 } dqa_simulator_options;

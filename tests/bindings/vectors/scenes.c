@@ -25,7 +25,7 @@ const setting plane_simulator[] = {{"instruction_set", 1},
                                    {"muscle_stiffness", 1e6},
                                    {"tolerance", 1e-13},
                                    {"adjoint_tolerance", 1e-14},
-                                   {"preconditioner_precision", DQA_PRECISION_DOUBLE},
+                                   {"linear_precision", DQA_PRECISION_DOUBLE},
                                    {NULL, 0}};
 const setting box_simulator[] = {{"instruction_set", 1},
                                  {"time_step", 0.03125},
@@ -35,7 +35,7 @@ const setting box_simulator[] = {{"instruction_set", 1},
                                  {"muscle_stiffness", 1e6},
                                  {"tolerance", 1e-13},
                                  {"adjoint_tolerance", 1e-14},
-                                 {"preconditioner_precision", DQA_PRECISION_DOUBLE},
+                                 {"linear_precision", DQA_PRECISION_DOUBLE},
                                  {NULL, 0}};
 const setting plane_perceptron[] = {{"n_signals", 1}, {"dims", 2},  {"n_hidden", 1}, {"hidden", 8},
                                     {"seed", 5},      {"scale", 2}, {NULL, 0}};
@@ -79,7 +79,7 @@ dqa_simulator* make_simulator(const scene* s, const setting* list) {
         int known = 0;
         INTEGER(instruction_set);
         INTEGER(material);
-        INTEGER(preconditioner_precision);
+        INTEGER(linear_precision);
         NUMBER(time_step);
         NUMBER(young_modulus);
         NUMBER(poisson_ratio);

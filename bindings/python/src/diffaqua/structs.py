@@ -71,7 +71,7 @@ class SimulatorOptions(TypedDict, total=False):
     angle_smoothing: float
     surface_smoothing: float
     water_faces: int
-    preconditioner_precision: int
+    linear_precision: int
     quadrature: int
 
 

@@ -387,7 +387,7 @@ pub struct dqa_simulator_options {
     pub surface_smoothing: f64,
     pub cancel: *mut dqa_cancel_token,
     pub water_faces: i32,
-    pub preconditioner_precision: i32,
+    pub linear_precision: i32,
     pub quadrature: i32,
     pub padding: i32,
 }
@@ -493,8 +493,8 @@ const _: () = {
         "Offset of field: dqa_simulator_options::water_faces",
     ][::core::mem::offset_of!(dqa_simulator_options, water_faces) - 256usize];
     [
-        "Offset of field: dqa_simulator_options::preconditioner_precision",
-    ][::core::mem::offset_of!(dqa_simulator_options, preconditioner_precision)
+        "Offset of field: dqa_simulator_options::linear_precision",
+    ][::core::mem::offset_of!(dqa_simulator_options, linear_precision)
         - 260usize];
     [
         "Offset of field: dqa_simulator_options::quadrature",

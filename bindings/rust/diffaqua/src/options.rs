@@ -219,7 +219,7 @@ options! {
         /// Which faces the water acts on.
         water_faces: Faces,
         /// Of the preconditioner alone; single by default.
-        preconditioner_precision: Precision,
+        linear_precision: Precision,
         /// One point a cell by default.
         quadrature: Quadrature,
     }

@@ -78,7 +78,7 @@ fn settings(entry: &Value) -> SimulatorOptions {
     set!(SimulatorOptions::new(), entry, {
         instruction_set: instructions, material: material, time_step: number, young_modulus: number,
         poisson_ratio: number, muscle_stiffness: number, tolerance: number, adjoint_tolerance: number,
-        preconditioner_precision: |value| [Precision::Single, Precision::Double][whole(value)],
+        linear_precision: |value| [Precision::Single, Precision::Double][whole(value)],
     })
 }
 
