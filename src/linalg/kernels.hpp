@@ -32,24 +32,29 @@ struct PackedSupernode {
     std::int64_t backward = 0;  // offset of B^T, chunks of lanes columns
 };
 
-// Vectors hold three right-hand sides and padding, [n][4], in elimination order. Rows from `top` on are read and
-// written at outside + 4 (row - top) instead of x + 4 row.
+// Vectors hold one right-hand side, [n][1], or three and padding, [n][4], in elimination order; s numbers a row. Rows
+// from `top` on are read and written at outside + s (row - top) instead of x + s row.
 template <class Real>
 struct FactorKernels {
     // Of one supernode, rows [begin, end) of B, begin a multiple of lanes: own rows are set, rows below reduced.
-    // in [columns][4]: its own entries before the sweep.
+    // in [columns][s]: its own entries before the sweep.
     void (*forward)(const PackedSupernode& node, const int* rows, const Real* values, const Real* in, int begin,
                     int end, Real* x, Real* outside, int top);
-    // in [columns + rows_below][4]: own entries, then minus those of the rows below. Sets own columns [begin, end).
+    // in [columns + rows_below][s]: own entries, then minus those of the rows below. Sets own columns [begin, end).
     void (*backward)(const PackedSupernode& node, const Real* values, const Real* in, int begin, int end, Real* x);
     // The inputs of both.
     void (*own)(const PackedSupernode& node, const Real* x, Real* in);
     void (*below)(const PackedSupernode& node, const int* rows, const Real* x, const Real* outside, int top, Real* in);
 };
 
+// For one right-hand side and for three.
+template <class Real>
+struct FactorTables {
+    FactorKernels<Real> one, three;
+};
 struct LinalgKernels {
-    FactorKernels<float> single_factor;
-    FactorKernels<double> double_factor;
+    FactorTables<float> single_factor;
+    FactorTables<double> double_factor;
 };
 
 const LinalgKernels& linalg_kernels(InstructionSet set);

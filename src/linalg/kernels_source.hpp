@@ -13,103 +13,120 @@ struct Lanes {
     typedef Real Four __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
 };
 
-// s_k = sum over `count` inputs j of chunk[j][lanes] * in[j][k]: three right-hand sides.
+// What a row of a vector with `width` right-hand sides is: a number, or three and padding.
+template <class Real, int width>
+struct Row {
+    typedef typename Lanes<Real>::Four Value;
+    static constexpr long stride = 4;
+    static Value of(const Real* flat, int l) {
+        constexpr int lanes = Lanes<Real>::count;
+        return Value{flat[l], flat[lanes + l], flat[2 * lanes + l], 0};
+    }
+};
 template <class Real>
-inline void chunk_product(const Real* chunk, const Real* in, int count, typename Lanes<Real>::Vector& s0,
-                          typename Lanes<Real>::Vector& s1, typename Lanes<Real>::Vector& s2) {
+struct Row<Real, 1> {
+    typedef Real Value __attribute__((may_alias));
+    static constexpr long stride = 1;
+    static Value of(const Real* flat, int l) { return flat[l]; }
+};
+
+// y_k = sum over `count` inputs j of chunk[j][lanes] * in[j][k].
+template <class Real, int width>
+inline void chunk_product(const Real* chunk, const Real* in, int count, typename Lanes<Real>::Vector y[width]) {
     typedef typename Lanes<Real>::Vector Vector;
     typedef typename Lanes<Real>::Loose Loose;
     constexpr int lanes = Lanes<Real>::count;
-    Vector a0 = {}, a1 = {}, a2 = {}, b0 = {}, b1 = {}, b2 = {};
+    constexpr int chains = width == 1 ? 4 : 2;  // one alone waits for the latency of its additions
+    constexpr long stride = Row<Real, width>::stride;
+    Vector sum[chains][width] = {};
+    const auto add = [&](int chain, int j) {
+        const Vector c = *reinterpret_cast<const Loose*>(chunk + static_cast<long>(lanes) * j);
+        for (int k = 0; k < width; ++k) sum[chain][k] += c * in[stride * j + k];
+    };
     int j = 0;
-    for (; j + 2 <= count; j += 2) {  // two chains: one alone waits for the latency of its additions
-        const Vector c = *reinterpret_cast<const Loose*>(chunk + static_cast<long>(lanes) * j);
-        const Vector d = *reinterpret_cast<const Loose*>(chunk + static_cast<long>(lanes) * (j + 1));
-        a0 += c * in[4 * j], a1 += c * in[4 * j + 1], a2 += c * in[4 * j + 2];
-        b0 += d * in[4 * j + 4], b1 += d * in[4 * j + 5], b2 += d * in[4 * j + 6];
+    for (; j + chains <= count; j += chains)
+        for (int chain = 0; chain < chains; ++chain) add(chain, j + chain);
+    for (; j < count; ++j) add(0, j);
+    for (int k = 0; k < width; ++k) {
+        y[k] = sum[0][k] + sum[1][k];
+        if (chains == 4) y[k] += sum[chains - 2][k] + sum[chains - 1][k];
     }
-    if (j < count) {
-        const Vector c = *reinterpret_cast<const Loose*>(chunk + static_cast<long>(lanes) * j);
-        a0 += c * in[4 * j], a1 += c * in[4 * j + 1], a2 += c * in[4 * j + 2];
-    }
-    s0 = a0 + b0, s1 = a1 + b1, s2 = a2 + b2;
 }
 
-template <class Real>
+template <class Real, int width>
 void forward(const PackedSupernode& node, const int* rows, const Real* values, const Real* in, int begin, int end,
              Real* x, Real* outside, int top) {
-    typedef typename Lanes<Real>::Vector Vector;
-    typedef typename Lanes<Real>::Four Four;
+    using R = Row<Real, width>;
+    using Value = typename R::Value;
     constexpr int lanes = Lanes<Real>::count;
-    Real* own = x + 4 * static_cast<long>(node.first);
+    Real* own = x + R::stride * node.first;
     const int* below = rows + node.row_offset;
     for (int r = begin; r < end; r += lanes) {
         const int inputs = r + lanes < node.columns ? r + lanes : node.columns;
-        Vector y[3];
-        chunk_product(values + node.forward + packed_forward_offset(lanes, node.columns, r), in, inputs, y[0], y[1],
-                      y[2]);
+        typename Lanes<Real>::Vector y[width];
+        chunk_product<Real, width>(values + node.forward + packed_forward_offset(lanes, node.columns, r), in, inputs,
+                                   y);
         const int stop = end - r < lanes ? end - r : lanes;
         const Real* flat = reinterpret_cast<const Real*>(y);
         for (int l = 0; l < stop; ++l) {
             const int row = r + l;
-            const Four value = {flat[l], flat[lanes + l], flat[2 * lanes + l], 0};
+            const Value value = R::of(flat, l);
             if (row < node.columns) {
-                *reinterpret_cast<Four*>(own + 4 * static_cast<long>(row)) = value;
+                *reinterpret_cast<Value*>(own + R::stride * row) = value;
             } else {
                 const int target = below[row - node.columns];
-                *reinterpret_cast<Four*>((target < top ? x : outside - 4 * static_cast<long>(top)) +
-                                         4 * static_cast<long>(target)) -= value;
+                *reinterpret_cast<Value*>((target < top ? x : outside - R::stride * top) + R::stride * target) -= value;
             }
         }
     }
 }
 
-template <class Real>
+template <class Real, int width>
 void backward(const PackedSupernode& node, const Real* values, const Real* in, int begin, int end, Real* x) {
-    typedef typename Lanes<Real>::Vector Vector;
-    typedef typename Lanes<Real>::Four Four;
+    using R = Row<Real, width>;
     constexpr int lanes = Lanes<Real>::count;
-    Real* own = x + 4 * static_cast<long>(node.first);
+    Real* own = x + R::stride * node.first;
     const int total = node.columns + node.rows_below;
     for (int c = begin; c < end; c += lanes) {
-        Vector y[3];
-        chunk_product(values + node.backward + packed_backward_offset(lanes, total, c), in + 4 * static_cast<long>(c),
-                      total - c, y[0], y[1], y[2]);
+        typename Lanes<Real>::Vector y[width];
+        chunk_product<Real, width>(values + node.backward + packed_backward_offset(lanes, total, c), in + R::stride * c,
+                                   total - c, y);
         const int stop = end - c < lanes ? end - c : lanes;
         const Real* flat = reinterpret_cast<const Real*>(y);
         for (int l = 0; l < stop; ++l)
-            *reinterpret_cast<Four*>(own + 4 * static_cast<long>(c + l)) =
-                Four{flat[l], flat[lanes + l], flat[2 * lanes + l], 0};
+            *reinterpret_cast<typename R::Value*>(own + R::stride * (c + l)) = R::of(flat, l);
     }
 }
 
-template <class Real>
+template <class Real, int width>
 void own(const PackedSupernode& node, const Real* x, Real* in) {
-    const Real* source = x + 4 * static_cast<long>(node.first);
-    for (int k = 0; k < 4 * node.columns; ++k) in[k] = source[k];
+    constexpr long stride = Row<Real, width>::stride;
+    const Real* source = x + stride * node.first;
+    for (long k = 0; k < stride * node.columns; ++k) in[k] = source[k];
 }
 
-template <class Real>
+template <class Real, int width>
 void below(const PackedSupernode& node, const int* rows, const Real* x, const Real* outside, int top, Real* in) {
-    typedef typename Lanes<Real>::Four Four;
+    using R = Row<Real, width>;
+    using Value = typename R::Value;
     const int* list = rows + node.row_offset;
     for (int r = 0; r < node.rows_below; ++r) {
         const int row = list[r];
-        const Real* source = row < top ? x + 4 * static_cast<long>(row) : outside + 4 * static_cast<long>(row - top);
-        *reinterpret_cast<Four*>(in + 4 * static_cast<long>(node.columns + r)) =
-            -*reinterpret_cast<const Four*>(source);
+        const Real* source = row < top ? x + R::stride * row : outside + R::stride * (row - top);
+        *reinterpret_cast<Value*>(in + R::stride * (node.columns + r)) = -*reinterpret_cast<const Value*>(source);
     }
 }
 
-template <class Real>
+template <class Real, int width>
 constexpr FactorKernels<Real> factor_table() {
-    return {forward<Real>, backward<Real>, own<Real>, below<Real>};
+    return {forward<Real, width>, backward<Real, width>, own<Real, width>, below<Real, width>};
 }
 
 }  // namespace
 
 const LinalgKernels& DQA_KERNEL_TABLE() {
-    static const LinalgKernels table = {factor_table<float>(), factor_table<double>()};
+    static const LinalgKernels table = {{factor_table<float, 1>(), factor_table<float, 3>()},
+                                        {factor_table<double, 1>(), factor_table<double, 3>()}};
     return table;
 }
 

@@ -142,12 +142,13 @@ void PackedFactor::pack(const CholeskyFactor& factor, std::vector<Real>& values)
     }
 }
 
-template <class Real>
+template <int width, class Real>
 void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<Real>& values, const double* in,
-                         double* out, Threads threads, Scratch<Real>& ws, std::size_t width) const {
-    const std::size_t n = static_cast<std::size_t>(n_), above = 4 * static_cast<std::size_t>(n_ - top_);
-    const std::size_t scratch = 4 * static_cast<std::size_t>(widest_);
-    ws.x.resize(4 * n);
+                         double* out, Threads threads, Scratch<Real>& ws) const {
+    constexpr std::size_t stride = width == 1 ? 1 : 4;
+    const std::size_t n = static_cast<std::size_t>(n_), above = stride * static_cast<std::size_t>(n_ - top_);
+    const std::size_t scratch = stride * static_cast<std::size_t>(widest_);
+    ws.x.resize(stride * n);
     ws.outside.resize(above * subtrees_.size());
     ws.in.resize(scratch * (subtrees_.size() + 1));
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
@@ -159,18 +160,18 @@ void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<R
     }
     const double scale = 1.0 / largest;
     Real* x = ws.x.data();
-    Real* x_above = x + 4 * static_cast<std::size_t>(top_);
+    Real* x_above = x + stride * static_cast<std::size_t>(top_);
     const auto read = [&](int begin, int end) {
         for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
             const double* source = in + width * static_cast<std::size_t>(permutation_[k]);
-            for (std::size_t a = 0; a < 4; ++a)
-                x[4 * k + a] = a < width ? static_cast<Real>(scale * source[a]) : Real(0);
+            for (std::size_t a = 0; a < stride; ++a)
+                x[stride * k + a] = a < width ? static_cast<Real>(scale * source[a]) : Real(0);
         }
     };
     const auto write = [&](int begin, int end) {
         for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
             double* target = out + width * static_cast<std::size_t>(permutation_[k]);
-            for (std::size_t a = 0; a < width; ++a) target[a] = largest * static_cast<double>(x[4 * k + a]);
+            for (std::size_t a = 0; a < width; ++a) target[a] = largest * static_cast<double>(x[stride * k + a]);
         }
     };
     // A supernode's rows or columns, in pieces over the threads if it is large.
@@ -225,11 +226,16 @@ void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<R
 }
 
 void PackedFactor::solve(const double* in, double* out, Threads threads, Workspace& ws, int width) const {
-    const std::size_t w = static_cast<std::size_t>(width);
+    const auto sweep_in = [&](const auto& tables, const auto& values, auto& scratch) {
+        if (width == 1)
+            sweep<1>(tables.one, values, in, out, threads, scratch);
+        else
+            sweep<3>(tables.three, values, in, out, threads, scratch);
+    };
     if (precision_ == Precision::single_precision)
-        sweep(kernels_.single_factor, single_, in, out, threads, ws.single_precision, w);
+        sweep_in(kernels_.single_factor, single_, ws.single_precision);
     else
-        sweep(kernels_.double_factor, double_, in, out, threads, ws.double_precision, w);
+        sweep_in(kernels_.double_factor, double_, ws.double_precision);
 }
 
 }  // namespace dqa

@@ -46,9 +46,9 @@ private:
     void divide(const CholeskyFactor& factor);
     template <class Real>
     void pack(const CholeskyFactor& factor, std::vector<Real>& values);
-    template <class Real>
+    template <int width, class Real>
     void sweep(const FactorKernels<Real>& kernels, const std::vector<Real>& values, const double* in, double* out,
-               Threads threads, Scratch<Real>& ws, std::size_t width) const;
+               Threads threads, Scratch<Real>& ws) const;
 
     const LinalgKernels& kernels_;
     Precision precision_;

@@ -179,6 +179,13 @@ void test_packed_solve() {
         const double xy = dot_of(out, y), yx = dot_of(other, b);
         NEAR(xy, yx, 1e-5 * norm_of(out) * norm_of(y));
         CHECK(dot_of(other, y) > 0);
+        // One right-hand side alone.
+        for (std::size_t k = 0; k < 3; ++k) {
+            Vector one, expected;
+            for (std::size_t i = k; i < n; i += 3) one.push_back(b[i]), expected.push_back(x[i]);
+            packed.solve(one.data(), one.data(), 1, ws, 1);
+            NEAR(relative_difference(one, expected), 0.0, 1e-5);
+        }
         // In place, and whatever the units.
         for (const double scale : {1.0, 1e-60, 1e60}) {
             Vector in_place(b);
