@@ -44,21 +44,34 @@ StepProblem::StepProblem(const dqa::Design& design, const dqa::State& now, const
     if (design.water())
         design.water()->lag(water_, lag_q.data(), lag_v.data(), design.sensors().direction(lag_q.data()), input.current,
                             1);
-    // Nodes of equal coordinates modulo 3 share no cell.
+    // Nodes of equal coordinates modulo 3 share no cell, so that their columns may be probed together.
     const auto& nodes = design.set().node_ijk;
     const dqa::Box& box = design.space().box();
     colours_.resize(27);
-    neighbours_.resize(nodes.size());
+    std::vector<char> fixed(base_.size(), 0);
+    for (const int i : design.constrained()) fixed[static_cast<std::size_t>(i)] = 1;
+    pattern_.n = static_cast<int>(base_.size());
+    std::vector<int> rows;  // of a node and its neighbours
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         const auto& [i, j, k] = nodes[n];
         colours_[static_cast<std::size_t>(i % 3 * 9 + j % 3 * 3 + k % 3)].push_back(static_cast<int>(n));
+        rows.clear();
         for (int a = std::max(0, i - 1); a <= std::min(box.cells[0], i + 1); ++a)
             for (int b = std::max(0, j - 1); b <= std::min(box.cells[1], j + 1); ++b)
                 for (int c = std::max(0, k - 1); c <= std::min(box.node_planes() - 1, k + 1); ++c) {
                     const int other = design.set().node_to_active[static_cast<std::size_t>(box.node(a, b, c))];
-                    if (other >= 0) neighbours_[n].push_back(other);
+                    for (int axis = 0; other >= 0 && axis < 3; ++axis) rows.push_back(3 * other + axis);
                 }
+        std::sort(rows.begin(), rows.end());
+        for (int column = 3 * static_cast<int>(n); column < 3 * static_cast<int>(n) + 3; ++column) {
+            pattern_.start.push_back(static_cast<int>(pattern_.row.size()));
+            for (const int row : rows) {
+                const bool free = !fixed[static_cast<std::size_t>(row)] && !fixed[static_cast<std::size_t>(column)];
+                if (row == column || (row > column && free)) pattern_.row.push_back(row);
+            }
+        }
     }
+    pattern_.start.push_back(static_cast<int>(pattern_.row.size()));
 }
 
 StepProblem::Value StepProblem::evaluate(const Vector& q) {
@@ -92,11 +105,9 @@ void StepProblem::product(const Vector& p, Vector& out) {
 }
 
 dqa::SymmetricMatrix StepProblem::hessian() {
-    const std::size_t n = base_.size();
-    std::vector<char> fixed(n, 0);
-    for (const int i : design_.constrained()) fixed[static_cast<std::size_t>(i)] = 1;
-    std::vector<std::vector<std::pair<int, double>>> columns(n);
-    Vector probe(n), out(n);
+    dqa::SymmetricMatrix h = pattern_;
+    h.value.resize(h.row.size());
+    Vector probe(base_.size()), out(base_.size());
     for (const auto& colour : colours_)
         for (std::size_t axis = 0; axis < 3 && !colour.empty(); ++axis) {
             std::fill(probe.begin(), probe.end(), 0.0);
@@ -104,18 +115,14 @@ dqa::SymmetricMatrix StepProblem::hessian() {
             product(probe, out);
             for (const int node : colour) {
                 const std::size_t column = 3 * static_cast<std::size_t>(node) + axis;
-                if (fixed[column]) {
-                    columns[column].assign(1, {static_cast<int>(column), 1.0});
-                    continue;
-                }
-                for (const int other : neighbours_[static_cast<std::size_t>(node)])
-                    for (std::size_t a = 0; a < 3; ++a) {
-                        const std::size_t row = 3 * static_cast<std::size_t>(other) + a;
-                        if (row >= column && !fixed[row]) columns[column].emplace_back(static_cast<int>(row), out[row]);
-                    }
+                for (std::size_t k = static_cast<std::size_t>(h.start[column]);
+                     k < static_cast<std::size_t>(h.start[column + 1]); ++k)
+                    h.value[k] = out[static_cast<std::size_t>(h.row[k])];
             }
         }
-    return dqa::matrix_from_columns(columns);
+    for (const int i : design_.constrained())
+        h.value[static_cast<std::size_t>(h.start[static_cast<std::size_t>(i)])] = 1.0;
+    return h;
 }
 
 dqa::State StepProblem::state_of(const dqa::State& now, const Vector& q) const {
@@ -134,6 +141,7 @@ Found solve_step(StepProblem& problem, const Vector& start, int max_iterations) 
     StepProblem::Value now = problem.evaluate(out.q);
     const Vector& diagonal = problem.design().stiffness_diagonal();
     const double dx = problem.design().space().box().dx;
+    const double cancelling = std::numeric_limits<double>::epsilon() * problem.design().body().cancelling();
     double shift = 0.0, stride = std::numeric_limits<double>::infinity();
     const auto shifted_by = [&](dqa::SymmetricMatrix m, double s) {
         for (std::size_t j = 0; j < out.q.size(); ++j)
@@ -144,8 +152,8 @@ Found solve_step(StepProblem& problem, const Vector& start, int max_iterations) 
         // Where Newton's steps have become as short as the rounding of places there is nothing left to gain.
         if (now.residual <= kTolerance || (shift == 0.0 && stride < 1e-13 * dx)) break;
         const dqa::SymmetricMatrix h = problem.hessian();
-        bool moved = false;
-        for (int trial = 0; trial < 40 && !moved; ++trial) {
+        bool moved = false, settled = false;
+        for (int trial = 0; trial < 40 && !moved && !settled; ++trial) {
             Vector d(now.gradient);
             for (double& x : d) x = -x;
             if (dqa::solve_positive(shifted_by(h, shift), d)) {
@@ -153,7 +161,7 @@ Found solve_step(StepProblem& problem, const Vector& start, int max_iterations) 
                 Vector q(out.q);
                 for (std::size_t i = 0; i < q.size(); ++i) slope += now.gradient[i] * d[i], q[i] += d[i];
                 const StepProblem::Value next = problem.evaluate(q);
-                const double noise = 1e-13 * std::fabs(now.energy) + 1e-15 * now.scale * norm_of(q);
+                const double noise = 1e-13 * std::fabs(now.energy) + cancelling + 1e-15 * now.scale * norm_of(q);
                 if (next.finite() && (next.energy <= now.energy + 1e-3 * slope ||
                                       (next.energy <= now.energy + noise && next.residual <= now.residual))) {
                     stride = shift == 0.0 ? norm_of(d) : std::numeric_limits<double>::infinity();
@@ -163,6 +171,9 @@ Found solve_step(StepProblem& problem, const Vector& start, int max_iterations) 
                     shift = shift < 1e-9 ? 0.0 : 0.1 * shift;
                     break;
                 }
+                // Forces at the rounding of places, and a full step that only trades one rounding for another: more
+                // such steps would wander about the answer.
+                settled = shift == 0.0 && now.residual <= now.rounding && std::fabs(next.energy - now.energy) <= noise;
             }
             shift = std::max(1e-8, 5.0 * shift);
         }

@@ -44,8 +44,8 @@ private:
     double beta_;
     dqa::BodyWorkspace body_;
     dqa::WaterWorkspace water_;
-    std::vector<std::vector<int>> colours_;     // nodes whose columns may be probed together
-    std::vector<std::vector<int>> neighbours_;  // of each node
+    std::vector<std::vector<int>> colours_;  // nodes whose columns may be probed together
+    dqa::SymmetricMatrix pattern_;           // of the Hessian, without values
 };
 
 struct Found {

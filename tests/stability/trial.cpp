@@ -142,6 +142,7 @@ Result run(const Trial& trial) {
             return out;
         }
         out.state_error = std::max(out.state_error, oracle.distance(*hint, oracle.state().q));
+        if (!(out.state_error <= kStateBound)) break;  // whatever follows, the answer is wrong
     }
     if (!(out.state_error <= kStateBound)) {
         out.outcome = Outcome::silent;

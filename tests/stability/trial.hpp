@@ -48,7 +48,8 @@ struct Result {
     int rescued = 0;       // steps
     bool solvable = true;  // the oracle found an equilibrium of every step that was tried
     int inverted = 0;      // most Gauss points inverted at the end of a step
-    double residual = 0.0, state_error = 0.0, gradient_error = 0.0, max_speed = 0.0;
+    double residual = 0.0, gradient_error = 0.0, max_speed = 0.0;
+    double state_error = 0.0;  // largest of the steps, up to the first that is wrong
     std::string reason;
 };
 
