@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -60,7 +61,8 @@ std::vector<Row> rows_of(bool quick) {
     for (const Trial& t : mechanics(quick)) {
         Row row{t.axis_x, t.axis_y, t.method(), t.value_x, t.value_y, 0.0, [t] { return run(t); }, {}};
         const double cells = t.scene.threshold == 0.0 || t.reference ? 4.0 : 1.0;
-        row.work = cells * t.steps * (t.reference ? 10.0 : 1.0) * std::max(0.03, t.scene.time_step);
+        const double torn = std::sqrt(std::max(1.0, 1e6 / t.scene.young_modulus));  // by its muscles
+        row.work = cells * torn * t.steps * (t.reference ? 10.0 : 1.0) * std::max(0.03, t.scene.time_step);
         rows.push_back(std::move(row));
     }
     for (const BarycenterTrial& t : barycenters(quick))
