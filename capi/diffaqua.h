@@ -347,8 +347,9 @@ typedef struct dqa_simulator_options {
                                     vanish) at which a step stops; default 1e-6 */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: `tolerance`
                                     on a tape of up to 100 steps, and on a longer one so much less that what is left does
-                                    not add up; smaller ones do not make gradients more accurate. With a loose
-                                    `tolerance`, or a rollout in many short tapes, give one */
+                                    not add up; less also where forces in a stiff body are far larger than what moves
+                                    it. Smaller ones do not make gradients more accurate. With a loose `tolerance`, or a
+                                    rollout in many short tapes, give one */
     double water_density;        /* kg/m^3, > 0; default 1000 */
     double current[3];           /* m/s: velocity of the water; in two dimensions [2] must be 0; default 0 */
     double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must

@@ -31,7 +31,8 @@ constexpr int kOfCorrection = 100;     // products: it is the stiff strains that
 // direction_ <- -(H + shift P)^-1 gradient_ by at most `limit` products. Returns the decrease that the model without
 // the shift promises; 0 where the shifted Hessian is not positive.
 double Stepper::shifted_direction(double forcing, double shift, int limit, StepReport& report) {
-    std::vector<double>&d = direction_, &r = krylov_.exact.r, &z = krylov_.exact.z, &p = krylov_.exact.p, &hp = krylov_.exact.ap;
+    std::vector<double>&d = direction_, &r = krylov_.exact.r, &z = krylov_.exact.z, &p = krylov_.exact.p,
+    &hp = krylov_.exact.ap;
     std::vector<double>&pp = preconditioned_[0], &pd = preconditioned_[1];  // P p, P d
     for (auto* v : {&d, &p, &pp, &pd}) v->assign(size_, 0.0);
     r.resize(size_), z.resize(size_), hp.resize(size_);

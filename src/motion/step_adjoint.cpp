@@ -82,7 +82,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     begin(now, input);
     const double* q_new = next.q.data();
     design_->preconditioner().turn(q_new, threads_, preconditioner_);
-    evaluate(q_new, input.signals);
+    const double tolerance = scene_.adjoint_tolerance_over(sweep_, share_of_motion(evaluate(q_new, input.signals)));
     // v+ = (q+ - q~) / b except on constrained coordinates, where it is zero.
     std::vector<double> base_bar(size_), total(size_);
     on_coordinates([&](std::size_t begin, std::size_t end) {
@@ -102,11 +102,11 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
     bool solved = ordered_norm(q_new_bar, size_) == 0.0;
     if (solved) std::fill(lambda_.begin(), lambda_.end(), 0.0);
     if (!solved && scene_.method != Method::newton_direct) {
-        const PcgResult r = solve_hessian(q_new_bar, lambda_.data(), adjoint_tolerance_, true);
+        const PcgResult r = solve_hessian(q_new_bar, lambda_.data(), tolerance, true);
         report.linear_iterations = r.iterations;
         report.residual = r.relative_residual;
         solved = r.converged;
-        if (solved) balance_adjoint(q_new, right_);
+        if (solved) balance_adjoint(q_new, right_, tolerance);
     }
     if (!solved) {
         if (scene_.method != Method::newton_direct)
@@ -125,7 +125,7 @@ AdjointReport Stepper::pull_back(const State& now, const StepInput& input, const
         }
         report.direct = true;
         report.residual = good ? residual_of(lambda_) : 1.0;
-        const double bound = std::max(1e-9, adjoint_tolerance_);
+        const double bound = std::max(1e-9, tolerance);
         if (!(report.residual <= bound))
             fail(Status::NOT_CONVERGED,
                  "adjoint of step %ld: relative residual %.3g, expected <= %.3g: the Hessian is singular there", step,

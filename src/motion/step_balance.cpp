@@ -79,7 +79,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
 // forgets: it adds up with the square of the number of steps, and a residual of 1e-8 leaves the gradient of a rollout
 // of ten thousand steps uncertain by two per cent. The way out is d = b^2 U U^T r, Newton's step where the mass alone
 // resists, as long as the best along it.
-void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs) {
+void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance) {
     if (free_ == RigidBalance::Free::none) return;
     const std::vector<double>& mass = design_->mass();
     const RigidBalance whole(free_, mass, piece_, q, threads_);
@@ -94,7 +94,7 @@ void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs) {
     });
     const std::vector<double> sums = whole.sums(trial_.data(), threads_);
     const double way = beta_ * beta_ * ordered_norm(sums.data(), sums.size());
-    if (way <= kAdjointBalance * adjoint_tolerance_ * std::sqrt(size2)) return;
+    if (way <= kAdjointBalance * tolerance * std::sqrt(size2)) return;
     std::vector<double> d(size_, 0.0);
     for (std::size_t m = 0; m < sums.size(); ++m) {
         const std::vector<double> u = whole.field(m);

@@ -49,7 +49,6 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       scene_(design_->scene()),
       free_(free_motions(*design_)),
       piece_(pieces_of(design_->set(), design_->occupancy())),
-      adjoint_tolerance_(scene_.adjoint_tolerance_over(1)),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())),
       extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())),
       energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()) {
@@ -367,11 +366,16 @@ void Stepper::check_explicit_water(const std::vector<double>& x, const Evaluatio
     }
 }
 
-// The residual to reach. In a stiff body the forces of tissue and muscles are far larger than what is left of them to
-// move it: then that is what a residual is small against. Otherwise the gradient, whose parts cancel in the same way,
-// would come out wrong at a state that looks right.
+// In a stiff body the forces of tissue and muscles are far larger than what is left of them to move it: then that is
+// what a residual is small against, of a state and of an adjoint. Otherwise the gradient, whose parts cancel in the
+// same way, would come out wrong at a state that looks right.
+double Stepper::share_of_motion(const Evaluation& now) {
+    return now.scale > 0 ? std::min(1.0, kOuter * now.outer / now.scale) : 1.0;
+}
+
+// The residual to reach.
 double Stepper::target(const Evaluation& now) const {
-    return std::max(scene_.tolerance * std::min(now.scale, kOuter * now.outer), noise_);
+    return std::max(scene_.tolerance * share_of_motion(now) * now.scale, noise_);
 }
 
 bool Stepper::converged(const Evaluation& now) const {

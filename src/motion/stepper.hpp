@@ -52,8 +52,8 @@ public:
 
     const Design& design() const { return *design_; }
 
-    // Sets the tolerance of the adjoints that follow; before, it is that of a single step.
-    void expect_sweep(long n_steps) { adjoint_tolerance_ = scene_.adjoint_tolerance_over(n_steps); }
+    // For the tolerance of the adjoints that follow; before, it is that of a single step.
+    void expect_sweep(long n_steps) { sweep_ = n_steps; }
 
     // now -> next. step: index for messages. Throws NOT_CONVERGED or DIVERGED; next is then unspecified.
     StepReport step(const State& now, const StepInput& input, long step, State& next);
@@ -108,7 +108,8 @@ private:
     void check_cancelled(long step) const;
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
-    void balance_adjoint(const double* q, const std::vector<double>& rhs);
+    void balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance);
+    static double share_of_motion(const Evaluation& now);
     double target(const Evaluation& now) const;
     double forcing(const Evaluation& now) const;
     double energy_noise(const std::vector<double>& x, const Evaluation& now) const;
@@ -133,8 +134,8 @@ private:
     std::shared_ptr<const Design> design_;
     const SceneSettings& scene_;
     RigidBalance::Free free_;
-    std::vector<int> piece_;  // of each node
-    double adjoint_tolerance_;
+    std::vector<int> piece_;               // of each node
+    long sweep_ = 1;                       // steps of the backward sweep
     std::size_t size_;                     // 3 n_nodes
     double extent_;                        // of the body at rest (m)
     double energy_rounding_;               // of parts that cancel (J)
