@@ -29,13 +29,16 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
                       double* muscle_out) const {
     ws.terms.resize(terms_.size());
     ws.inverted = 0;
-    std::fill(elastic_out, elastic_out + n_coordinates_, 0.0);
-    std::fill(muscle_out, muscle_out + n_coordinates_, 0.0);
     double energy = 0.0;
     for (std::size_t t = 0; t < terms_.size(); ++t) {
-        energy += terms_[t]->gradient(ws.terms[t], q, signals, threads, t < n_elastic_ ? elastic_out : muscle_out);
+        energy += terms_[t]->gradient(ws.terms[t], q, signals, threads);
         ws.inverted += ws.terms[t].inverted;
     }
+    parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain, [&](int begin, int end) {
+        for (double* out : {elastic_out, muscle_out}) std::fill(out + 3 * begin, out + 3 * end, 0.0);
+        for (std::size_t t = 0; t < terms_.size(); ++t)
+            terms_[t]->add_product(ws.terms[t], begin, end, t < n_elastic_ ? elastic_out : muscle_out);
+    });
     return energy;
 }
 

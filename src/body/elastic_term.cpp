@@ -63,7 +63,7 @@ const char* ElasticTerm::name() const {
     return names[static_cast<std::size_t>(kind_)];
 }
 
-double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads, double* out) const {
+double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads) const {
     const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
     ws.exact.force.resize(cells_.sums().size()), ws.energy.resize(blocks);
     ws.exact.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
@@ -75,7 +75,6 @@ double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, 
                           &inverted[static_cast<std::size_t>(chunk)]);
     });
     ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
-    cells_.sums().gather().add(ws.exact.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 

@@ -14,8 +14,7 @@ public:
                 const std::vector<double>& lambda, InstructionSet instructions);
 
     const char* name() const override;
-    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
-                    double* out) const override;
+    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const override;
     int n_chunks() const override;
     int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }

@@ -44,9 +44,9 @@ class EnergyTerm {
 public:
     virtual ~EnergyTerm() = default;
     virtual const char* name() const = 0;
-    // Energy; out [n_nodes][3] += dE/dq. Fills the linearisation.
-    virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
-                            double* out) const = 0;
+    // Energy. Fills the linearisation, and leaves dE/dq as element forces, whose sums on the nodes [begin, end)
+    // add_product adds.
+    virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const = 0;
     // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
     // then out += their sums on the nodes [begin, end).
     virtual int n_chunks() const = 0;

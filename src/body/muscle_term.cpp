@@ -36,22 +36,20 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
     fibres_.single.direction.assign(fibres_.exact.direction.begin(), fibres_.exact.direction.end());
 }
 
-double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
-                            double* out) const {
+double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const {
     const std::size_t blocks = static_cast<std::size_t>(entries_.n_blocks());
     ws.exact.force.resize(entries_.sums().size()), ws.energy.resize(blocks);
     ws.exact.cache.resize(blocks * kMuscleCache), ws.exact.rest.resize(blocks * 8);
-    for (std::size_t e = 0; e < blocks * 8; ++e) {
-        const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
-        ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
-    }
     parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        for (std::size_t e = static_cast<std::size_t>(begin) * 8; e < static_cast<std::size_t>(end) * 8; ++e) {
+            const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
+            ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
+        }
         kernels_.muscle_gradient(q, entries_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
                                  ws.exact.rest.data(), inv_dx_, begin, end,
                                  forces_of(entries_.sums(), begin / kBodyGrain, ws.exact.force), ws.energy.data(),
                                  ws.exact.cache.data());
     });
-    entries_.sums().gather().add(ws.exact.force.data(), 1.0, out, threads);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 

@@ -22,8 +22,7 @@ public:
                InstructionSet instructions);
 
     const char* name() const override { return "muscle"; }
-    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads,
-                    double* out) const override;
+    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const override;
     int n_chunks() const override;
     int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }

@@ -48,10 +48,6 @@ public:
             }
         }
     }
-    void add(const double* values, double scale, double* out, Threads threads) const {
-        parallel_chunks(threads, n_nodes(), kNodeGrain,
-                        [&](int begin, int end) { add(values, scale, begin, end, out); });
-    }
 
 private:
     std::vector<int> start_, place_;  // compressed rows: entries of each node
