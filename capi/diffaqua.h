@@ -323,7 +323,8 @@ typedef struct dqa_adjoint dqa_adjoint;
 typedef struct dqa_simulator_options {
     uint32_t struct_size;
     uint32_t flags;              /* must be 0 */
-    int32_t threads;             /* >= 1; the bits of every result are the same for any number; default 1 */
+    int32_t threads;             /* >= 1, at most so many (a small body takes fewer); the bits of every result are the same
+                                    for any number; default 1 */
     int32_t method;              /* DQA_METHOD_* */
     int32_t water;               /* DQA_WATER_* */
     int32_t max_newton;          /* Newton iterations per step; default 50. Where the method fails, another one may take

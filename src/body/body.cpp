@@ -37,7 +37,7 @@ double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals,
     parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain, [&](int begin, int end) {
         for (double* out : {elastic_out, muscle_out}) std::fill(out + 3 * begin, out + 3 * end, 0.0);
         for (std::size_t t = 0; t < terms_.size(); ++t)
-            terms_[t]->add_product(ws.terms[t], begin, end, t < n_elastic_ ? elastic_out : muscle_out);
+            terms_[t]->add_forces(ws.terms[t], begin, end, t < n_elastic_ ? elastic_out : muscle_out);
     });
     return energy;
 }

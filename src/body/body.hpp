@@ -44,7 +44,7 @@ public:
     void product(BodyWorkspace& ws, const T* p, Threads threads, T* out) const {
         parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
         parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain,
-                        [&](int begin, int end) { add_product(ws, begin, end, out); });
+                        [&](int begin, int end) { add_forces(ws, begin, end, out); });
     }
     // The same in two parts, see EnergyTerm.
     int n_chunks() const;
@@ -55,8 +55,8 @@ public:
         terms_[term]->product_chunk(ws.terms[term], p, chunk);
     }
     template <class T>
-    void add_product(const BodyWorkspace& ws, int begin, int end, T* out) const {
-        for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_product(ws.terms[t], begin, end, out);
+    void add_forces(const BodyWorkspace& ws, int begin, int end, T* out) const {
+        for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_forces(ws.terms[t], begin, end, out);
     }
     // The linearisation in single precision too, for products in it.
     void to_single(BodyWorkspace& ws, Threads threads) const;

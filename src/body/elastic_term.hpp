@@ -18,13 +18,13 @@ public:
     int n_chunks() const override;
     int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }
-    void add_product(const TermWorkspace& ws, int begin, int end, double* out) const override {
+    void add_forces(const TermWorkspace& ws, int begin, int end, double* out) const override {
         cells_.sums().gather().add(ws.exact.force.data(), 1.0, begin, end, out);
     }
     void prepare_single(TermWorkspace& ws) const override;
     void to_single(TermWorkspace& ws, int k) const override;
     void product_chunk(TermWorkspace& ws, const float* p, int k) const override { product_of(ws, p, k); }
-    void add_product(const TermWorkspace& ws, int begin, int end, float* out) const override {
+    void add_forces(const TermWorkspace& ws, int begin, int end, float* out) const override {
         cells_.sums().gather().add(ws.single.force.data(), 1.0f, begin, end, out);
     }
     void filter(TermWorkspace& ws) const override;

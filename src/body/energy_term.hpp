@@ -44,8 +44,7 @@ class EnergyTerm {
 public:
     virtual ~EnergyTerm() = default;
     virtual const char* name() const = 0;
-    // Energy. Fills the linearisation, and leaves dE/dq as element forces, whose sums on the nodes [begin, end)
-    // add_product adds.
+    // Energy. Fills the linearisation, and leaves dE/dq as element forces for add_forces.
     virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const = 0;
     // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
     // then out += their sums on the nodes [begin, end).
@@ -53,13 +52,13 @@ public:
     // One of the chunk's nodes, which says where along the body it lies.
     virtual int chunk_node(int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
-    virtual void add_product(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
+    virtual void add_forces(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
     // The same in single precision, once prepare_single has made room and to_single has copied all chunks; p has one
     // number more than 3 n_nodes, whose value does not matter.
     virtual void prepare_single(TermWorkspace& ws) const = 0;
     virtual void to_single(TermWorkspace& ws, int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const float* p, int k) const = 0;
-    virtual void add_product(const TermWorkspace& ws, int begin, int end, float* out) const = 0;
+    virtual void add_forces(const TermWorkspace& ws, int begin, int end, float* out) const = 0;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     virtual void filter(TermWorkspace& ws) const = 0;
     // Size of the parts that cancel in the energy (J): at rest its rounding is that of these, however small it is.

@@ -2,6 +2,7 @@
 // What there is in double and in single precision, chosen by the number that a template computes with: x.in(T()).
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace dqa {

@@ -13,7 +13,7 @@ WaterTotals Stepper::totals(const State& next) const {
     const Water* water = design_->water();
     WaterTotals out;
     if (water)
-        with_crew(scene_.threads,
+        with_crew(crew_,
                   [&](Threads threads) { out = water->totals(water_, next.q.data(), base_.data(), beta_, threads); });
     return out;
 }
@@ -28,7 +28,7 @@ void Stepper::totals_pullback(const State& now, const StepInput& input, const St
     if (!water) return;
     std::vector<double> base_bar(size_, 0.0), lag_q_bar(size_, 0.0), lag_v_bar(size_, 0.0);
     Vec3 spine_bar{};
-    with_crew(scene_.threads, [&](Threads threads) {
+    with_crew(crew_, [&](Threads threads) {
         threads_ = threads;
         begin(now, input);
         water->totals_pullback(water_, next.q.data(), base_.data(), lag_q_.data(), totals_bar, beta_, threads_,
@@ -69,7 +69,7 @@ AdjointReport Stepper::adjoint(const State& now, const StepInput& input, const S
     for (std::size_t i = 0; i < next_bar.q_before.size(); ++i) out.state.q[i] += next_bar.q_before[i];
     for (std::size_t i = 0; i < next_bar.v_before.size(); ++i) out.state.v[i] += next_bar.v_before[i];
     if (ordered_norm(next_bar.q.data(), size_) == 0.0 && ordered_norm(next_bar.v.data(), size_) == 0.0) return report;
-    with_crew(scene_.threads, [&](Threads threads) {
+    with_crew(crew_, [&](Threads threads) {
         threads_ = threads;
         report = pull_back(now, input, next, step, next_bar, out, bar);
     });

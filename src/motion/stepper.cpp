@@ -11,6 +11,7 @@
 namespace dqa {
 namespace {
 
+constexpr int kCellsPerThread = 256;  // with fewer, threads wait longer for each other than they help
 constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kShort = 0.1;        // of Newton's step: less of it is a short step,
 constexpr int kShortSteps = 3;        // and this many say that the energy's valley is curved
@@ -49,6 +50,7 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       scene_(design_->scene()),
       free_(free_motions(*design_)),
       piece_(pieces_of(design_->set(), design_->occupancy())),
+      crew_(std::clamp(design_->set().n_cells() / kCellsPerThread, 1, scene_.threads)),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())),
       extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())),
       energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()) {
@@ -202,7 +204,7 @@ double Stepper::full_product(const T* p, T* out) {
             const T inertia = static_cast<T>(mass[n] * inv_h2);
             for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = inertia * p[i];
         }
-        body.add_product(body_, begin, end, out);
+        body.add_forces(body_, begin, end, out);
         if (water) water->add_product(water_, begin, end, out);
         return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
@@ -296,7 +298,7 @@ void Stepper::fail_step(Status status, long step, const char* why, double relati
 
 StepReport Stepper::step(const State& now, const StepInput& input, long step, State& next) {
     StepReport report;
-    with_crew(scene_.threads, [&](Threads threads) {
+    with_crew(crew_, [&](Threads threads) {
         threads_ = threads;
         report = solve(now, input, step, next);
     });

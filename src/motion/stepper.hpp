@@ -135,6 +135,7 @@ private:
     const SceneSettings& scene_;
     RigidBalance::Free free_;
     std::vector<int> piece_;               // of each node
+    int crew_;                             // number of threads of a call
     long sweep_ = 1;                       // steps of the backward sweep
     std::size_t size_;                     // 3 n_nodes
     double extent_;                        // of the body at rest (m)
