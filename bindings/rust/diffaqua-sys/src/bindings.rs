@@ -494,8 +494,7 @@ const _: () = {
     ][::core::mem::offset_of!(dqa_simulator_options, water_faces) - 256usize];
     [
         "Offset of field: dqa_simulator_options::linear_precision",
-    ][::core::mem::offset_of!(dqa_simulator_options, linear_precision)
-        - 260usize];
+    ][::core::mem::offset_of!(dqa_simulator_options, linear_precision) - 260usize];
     [
         "Offset of field: dqa_simulator_options::quadrature",
     ][::core::mem::offset_of!(dqa_simulator_options, quadrature) - 264usize];
