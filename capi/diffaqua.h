@@ -346,7 +346,7 @@ typedef struct dqa_simulator_options {
     double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
     double tolerance;            /* force residual relative to the forces (to the rounding of positions where forces
                                     vanish) at which a step stops; default 1e-6 */
-    double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: `tolerance`
+    double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: 0.3 `tolerance`
                                     on a tape of up to 100 steps, and on a longer one so much less that what is left does
                                     not add up; less also where forces in a stiff body are far larger than what moves
                                     it. Smaller ones do not make gradients more accurate. With a loose `tolerance`, or a

@@ -50,14 +50,15 @@ struct SceneSettings {
     // By cell of the box, in place of young_modulus and muscle_stiffness where not null (Pa, [n_box_cells]).
     std::shared_ptr<const std::vector<double>> young_of_cell, muscle_of_cell;
 
-    // Tolerance of the linear solves of a backward sweep over n_steps. What adjoints leave unsolved adds up over the
+    // Tolerance of the linear solves of a backward sweep over n_steps: a third of that of the states, as in soft bodies
+    // gradients by actuation lose a thousandfold of it. What adjoints leave unsolved adds up over the
     // steps: below the error that the states bring along up to some hundreds of them at their own tolerance, but to
     // 2e-3 of the gradient over ten thousand. As that of the states it is relative to what moves the body, whose share
     // of the forces is small in a stiff one. Not below what rounding allows: in the stiffest bodies, some 5e-8.
     double adjoint_tolerance_over(long n_steps, double share_of_motion = 1.0) const {
         if (adjoint_tolerance > 0.0) return adjoint_tolerance;
         const double length = std::min(1.0, 100.0 / static_cast<double>(n_steps));
-        return std::max(1e-12, tolerance * length * std::max(0.1, share_of_motion));
+        return std::max(1e-12, 0.3 * tolerance * length * std::max(0.1, share_of_motion));
     }
 
     // 1/b^2 of the integrator's step length b; see stepper.hpp.
