@@ -24,19 +24,22 @@ NeoModuli neo_moduli(double mu, double lambda) {
     return {4.0 / 3.0 * mu, lambda + 5.0 / 6.0 * mu};
 }
 
+const ElasticKernels& kernels_of(ElasticKind kind, Quadrature quadrature, InstructionSet instructions) {
+    return body_kernels(instructions).elastic[static_cast<std::size_t>(quadrature)][static_cast<std::size_t>(kind)];
+}
+
 }  // namespace
 
 ElasticTerm::ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSet& set, const std::vector<double>& mu,
                          const std::vector<double>& lambda, InstructionSet instructions)
-    : kind_(kind),
-      kernels_(
-          body_kernels(instructions).elastic[static_cast<std::size_t>(quadrature)][static_cast<std::size_t>(kind)]),
+    : EnergyTerm(set, all_cells(set), 8 * kernels_of(kind, quadrature, instructions).point_values),
+      kind_(kind),
+      kernels_(kernels_of(kind, quadrature, instructions)),
       inv_dx_(1.0 / set.box.dx),
       slab_(set.box.dims == 2 ? 1.0 : 0.0),
       volume_(set.box.dx * set.box.dx * set.box.dx / kernels_.points),
       mu_(mu),
-      lambda_(lambda),
-      cells_(set, all_cells(set), kBodyGrain) {
+      lambda_(lambda) {
     std::vector<double> weight(mu.size()), shift;
     for (std::size_t c = 0; c < mu.size(); ++c) switch (kind_) {
             case ElasticKind::corotated:
@@ -53,9 +56,9 @@ ElasticTerm::ElasticTerm(ElasticKind kind, Quadrature quadrature, const ActiveSe
                 shift.push_back(neo_moduli(mu[c], lambda[c]).alpha());
                 break;
         }
-    weight_.exact = cells_.blocked(weight);
+    weight_.exact = elements_.blocked(weight);
     weight_.single.assign(weight_.exact.begin(), weight_.exact.end());
-    if (!shift.empty()) shift_ = cells_.blocked(shift);
+    if (!shift.empty()) shift_ = elements_.blocked(shift);
 }
 
 const char* ElasticTerm::name() const {
@@ -64,50 +67,29 @@ const char* ElasticTerm::name() const {
 }
 
 double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads) const {
-    const std::size_t blocks = static_cast<std::size_t>(cells_.n_blocks());
-    ws.exact.force.resize(cells_.sums().size()), ws.energy.resize(blocks);
-    ws.exact.cache.resize(blocks * static_cast<std::size_t>(kernels_.point_values) * 8);
-    std::vector<int> inverted(blocks / kBodyGrain + 1, 0);
-    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+    make_room(ws);
+    std::vector<int> inverted(static_cast<std::size_t>(n_chunks()), 0);
+    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
         const int chunk = begin / kBodyGrain;
-        kernels_.gradient(q, cells_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
-                          forces_of(cells_.sums(), chunk, ws.exact.force), ws.energy.data(), ws.exact.cache.data(),
+        kernels_.gradient(q, elements_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
+                          forces_of(elements_.sums(), chunk, ws.exact.force), ws.energy.data(), ws.exact.cache.data(),
                           &inverted[static_cast<std::size_t>(chunk)]);
     });
     ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
-int ElasticTerm::n_chunks() const {
-    return cells_.sums().n_chunks();
-}
-
-int ElasticTerm::chunk_node(int k) const {
-    return cells_.nodes()[64 * k * kBodyGrain] / 3;
-}
-
 template <class T>
 void ElasticTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
-    const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, cells_.n_blocks());
     Linearisation<T>& at = ws.in(T());
-    kernels_.product.in(T())(p, cells_.nodes(), weight_.in(T()).data(), inv_dx_, begin, end, at.cache.data(),
-                             forces_of(cells_.sums(), k, at.force));
+    kernels_.product.in(T())(p, elements_.nodes(), weight_.in(T()).data(), inv_dx_, first_of(k), last_of(k),
+                             at.cache.data(), forces_of(elements_.sums(), k, at.force));
 }
 template void ElasticTerm::product_of(TermWorkspace&, const double*, int) const;
 template void ElasticTerm::product_of(TermWorkspace&, const float*, int) const;
 
-void ElasticTerm::prepare_single(TermWorkspace& ws) const {
-    ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
-}
-
-void ElasticTerm::to_single(TermWorkspace& ws, int k) const {
-    const std::size_t size = static_cast<std::size_t>(kBodyGrain * kernels_.point_values) * 8,
-                      begin = size * static_cast<std::size_t>(k);
-    convert(ws.exact.cache, ws.single.cache, begin, std::min(begin + size, ws.exact.cache.size()));
-}
-
 void ElasticTerm::filter(TermWorkspace& ws) const {
-    kernels_.filter(ws.exact.cache.data(), cells_.n_blocks());
+    kernels_.filter(ws.exact.cache.data(), elements_.n_blocks());
 }
 
 // |F|^2 and 3, and the squares of J - alpha and 1 - alpha.
@@ -142,9 +124,9 @@ void ElasticTerm::precondition(std::vector<Vec3>& stiffness) const {
 
 void ElasticTerm::pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
                            const BodyBar& bar) const {
-    std::vector<double> weight_bar(static_cast<std::size_t>(cells_.n_blocks()) * 8), shift_bar(weight_bar.size());
-    parallel_chunks(threads, cells_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.bar(q, lambda, cells_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
+    std::vector<double> weight_bar(static_cast<std::size_t>(elements_.n_blocks()) * 8), shift_bar(weight_bar.size());
+    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.bar(q, lambda, elements_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
                      ws.exact.cache.data(), weight_bar.data(), shift_bar.data());
     });
     for (std::size_t c = 0; c < mu_.size(); ++c) {

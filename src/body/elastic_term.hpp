@@ -15,18 +15,8 @@ public:
 
     const char* name() const override;
     double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const override;
-    int n_chunks() const override;
-    int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }
-    void add_forces(const TermWorkspace& ws, int begin, int end, double* out) const override {
-        cells_.sums().gather().add(ws.exact.force.data(), 1.0, begin, end, out);
-    }
-    void prepare_single(TermWorkspace& ws) const override;
-    void to_single(TermWorkspace& ws, int k) const override;
     void product_chunk(TermWorkspace& ws, const float* p, int k) const override { product_of(ws, p, k); }
-    void add_forces(const TermWorkspace& ws, int begin, int end, float* out) const override {
-        cells_.sums().gather().add(ws.single.force.data(), 1.0f, begin, end, out);
-    }
     void filter(TermWorkspace& ws) const override;
     double cancelling() const override;
     void precondition(std::vector<Vec3>& stiffness) const override;
@@ -41,7 +31,6 @@ private:
     const ElasticKernels& kernels_;
     double inv_dx_, slab_, volume_;  // volume of a cell's integration point
     std::vector<double> mu_, lambda_;
-    BlockLayout cells_;
     InBothPrecisions<std::vector> weight_;  // blocked
     std::vector<double> shift_;             // blocked
 };

@@ -3,6 +3,7 @@
 // derivatives with respect to its parameters. A body is a list of terms; a new material is a new term.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "body/kernels.hpp"
@@ -47,18 +48,25 @@ public:
     // Energy. Fills the linearisation, and leaves dE/dq as element forces for add_forces.
     virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const = 0;
     // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
-    // then out += their sums on the nodes [begin, end).
-    virtual int n_chunks() const = 0;
-    // One of the chunk's nodes, which says where along the body it lies.
-    virtual int chunk_node(int k) const = 0;
+    // then out += their sums on the nodes [begin, end). In single precision once prepare_single has made room and
+    // to_single has copied all chunks; p has one number more than 3 n_nodes then, whose value does not matter.
     virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
-    virtual void add_forces(const TermWorkspace& ws, int begin, int end, double* out) const = 0;
-    // The same in single precision, once prepare_single has made room and to_single has copied all chunks; p has one
-    // number more than 3 n_nodes, whose value does not matter.
-    virtual void prepare_single(TermWorkspace& ws) const = 0;
-    virtual void to_single(TermWorkspace& ws, int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const float* p, int k) const = 0;
-    virtual void add_forces(const TermWorkspace& ws, int begin, int end, float* out) const = 0;
+    template <class T>
+    void add_forces(const TermWorkspace& ws, int begin, int end, T* out) const {
+        elements_.sums().gather().add(ws.in(T()).force.data(), T(1), begin, end, out);
+    }
+    void prepare_single(TermWorkspace& ws) const {
+        ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
+        ws.single.rest.assign(ws.exact.rest.begin(), ws.exact.rest.end());
+    }
+    void to_single(TermWorkspace& ws, int k) const {
+        convert(ws.exact.cache, ws.single.cache, static_cast<std::size_t>(first_of(k)) * block_cache_,
+                static_cast<std::size_t>(last_of(k)) * block_cache_);
+    }
+    int n_chunks() const { return elements_.sums().n_chunks(); }
+    // One of the chunk's nodes, which says where along the body it lies.
+    int chunk_node(int k) const { return elements_.nodes()[64 * first_of(k)] / 3; }
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).
     virtual void filter(TermWorkspace& ws) const = 0;
     // Size of the parts that cancel in the energy (J): at rest its rounding is that of these, however small it is.
@@ -68,6 +76,25 @@ public:
     // Adds the cotangents of lambda . dE/dq at q, where the workspace holds the gradient.
     virtual void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
                           const BodyBar& bar) const = 0;
+
+protected:
+    // cells: active cell of each element; block_cache: numbers that a block of 8 elements caches.
+    EnergyTerm(const ActiveSet& set, const std::vector<int>& cells, int block_cache)
+        : elements_(set, cells, kBodyGrain), block_cache_(static_cast<std::size_t>(block_cache)) {}
+
+    // Blocks of chunk k.
+    int first_of(int k) const { return k * kBodyGrain; }
+    int last_of(int k) const { return std::min(first_of(k) + kBodyGrain, elements_.n_blocks()); }
+    void make_room(TermWorkspace& ws) const {
+        const std::size_t blocks = static_cast<std::size_t>(elements_.n_blocks());
+        ws.exact.force.resize(elements_.sums().size()), ws.exact.cache.resize(blocks * block_cache_);
+        ws.energy.resize(blocks);
+    }
+
+    BlockLayout elements_;
+
+private:
+    std::size_t block_cache_;
 };
 
 }  // namespace dqa

@@ -18,17 +18,17 @@ std::vector<int> cells_of(const std::vector<MuscleEntry>& muscles) {
 
 MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& muscles, double contraction,
                        InstructionSet instructions)
-    : inv_dx_(1.0 / set.box.dx),
+    : EnergyTerm(set, cells_of(muscles), kMuscleCache),
+      inv_dx_(1.0 / set.box.dx),
       gauss_volume_(set.box.dx * set.box.dx * set.box.dx / 8.0),
       contraction_(contraction),
       kernels_(body_kernels(instructions)),
-      muscles_(muscles),
-      entries_(set, cells_of(muscles), kBodyGrain) {
+      muscles_(muscles) {
     std::vector<double> weight;
     for (const MuscleEntry& m : muscles_) weight.push_back(m.weight * gauss_volume_);
-    fibres_.exact.weight = entries_.blocked(weight);
-    fibres_.exact.direction.assign(static_cast<std::size_t>(entries_.n_blocks()) * 24, 0.0);
-    for (std::size_t e = 0; e < static_cast<std::size_t>(entries_.n_blocks()) * 8; ++e) {
+    fibres_.exact.weight = elements_.blocked(weight);
+    fibres_.exact.direction.assign(static_cast<std::size_t>(elements_.n_blocks()) * 24, 0.0);
+    for (std::size_t e = 0; e < static_cast<std::size_t>(elements_.n_blocks()) * 8; ++e) {
         const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
         for (std::size_t k = 0; k < 3; ++k) fibres_.exact.direction[(e / 8) * 24 + k * 8 + e % 8] = m.direction[k];
     }
@@ -37,51 +37,31 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
 }
 
 double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const {
-    const std::size_t blocks = static_cast<std::size_t>(entries_.n_blocks());
-    ws.exact.force.resize(entries_.sums().size()), ws.energy.resize(blocks);
-    ws.exact.cache.resize(blocks * kMuscleCache), ws.exact.rest.resize(blocks * 8);
-    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+    make_room(ws);
+    ws.exact.rest.resize(static_cast<std::size_t>(elements_.n_blocks()) * 8);
+    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
         for (std::size_t e = static_cast<std::size_t>(begin) * 8; e < static_cast<std::size_t>(end) * 8; ++e) {
             const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
             ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
         }
-        kernels_.muscle_gradient(q, entries_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
+        kernels_.muscle_gradient(q, elements_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
                                  ws.exact.rest.data(), inv_dx_, begin, end,
-                                 forces_of(entries_.sums(), begin / kBodyGrain, ws.exact.force), ws.energy.data(),
+                                 forces_of(elements_.sums(), begin / kBodyGrain, ws.exact.force), ws.energy.data(),
                                  ws.exact.cache.data());
     });
     return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
-int MuscleTerm::n_chunks() const {
-    return entries_.sums().n_chunks();
-}
-
-int MuscleTerm::chunk_node(int k) const {
-    return entries_.nodes()[64 * k * kBodyGrain] / 3;
-}
-
 template <class T>
 void MuscleTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
-    const int begin = k * kBodyGrain, end = std::min(begin + kBodyGrain, entries_.n_blocks());
     const Fibres<T>& fibres = fibres_.in(T());
     Linearisation<T>& at = ws.in(T());
-    kernels_.muscle_product.in(T())(p, entries_.nodes(), fibres.direction.data(), fibres.weight.data(), at.rest.data(),
-                                    inv_dx_, begin, end, at.cache.data(), forces_of(entries_.sums(), k, at.force));
+    kernels_.muscle_product.in(T())(p, elements_.nodes(), fibres.direction.data(), fibres.weight.data(), at.rest.data(),
+                                    inv_dx_, first_of(k), last_of(k), at.cache.data(),
+                                    forces_of(elements_.sums(), k, at.force));
 }
 template void MuscleTerm::product_of(TermWorkspace&, const double*, int) const;
 template void MuscleTerm::product_of(TermWorkspace&, const float*, int) const;
-
-void MuscleTerm::prepare_single(TermWorkspace& ws) const {
-    ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
-    ws.single.rest.assign(ws.exact.rest.begin(), ws.exact.rest.end());
-}
-
-void MuscleTerm::to_single(TermWorkspace& ws, int k) const {
-    const std::size_t size = static_cast<std::size_t>(kBodyGrain * kMuscleCache),
-                      begin = size * static_cast<std::size_t>(k);
-    convert(ws.exact.cache, ws.single.cache, begin, std::min(begin + size, ws.exact.cache.size()));
-}
 
 // Drops compressive transverse stiffness, w - u.u < 0, and keeps w along the fibre.
 void MuscleTerm::filter(TermWorkspace& ws) const {
@@ -106,9 +86,9 @@ void MuscleTerm::precondition(std::vector<Vec3>& stiffness) const {
 
 void MuscleTerm::pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
                           const BodyBar& bar) const {
-    std::vector<double> weight_bar(static_cast<std::size_t>(entries_.n_blocks()) * 8), rest_bar(weight_bar.size());
-    parallel_chunks(threads, entries_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        kernels_.muscle_bar(q, lambda, entries_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
+    std::vector<double> weight_bar(static_cast<std::size_t>(elements_.n_blocks()) * 8), rest_bar(weight_bar.size());
+    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
+        kernels_.muscle_bar(q, lambda, elements_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
                             ws.exact.rest.data(), inv_dx_, begin, end, weight_bar.data(), rest_bar.data());
     });
     for (std::size_t e = 0; e < muscles_.size(); ++e) {

@@ -23,18 +23,8 @@ public:
 
     const char* name() const override { return "muscle"; }
     double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const override;
-    int n_chunks() const override;
-    int chunk_node(int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }
-    void add_forces(const TermWorkspace& ws, int begin, int end, double* out) const override {
-        entries_.sums().gather().add(ws.exact.force.data(), 1.0, begin, end, out);
-    }
-    void prepare_single(TermWorkspace& ws) const override;
-    void to_single(TermWorkspace& ws, int k) const override;
     void product_chunk(TermWorkspace& ws, const float* p, int k) const override { product_of(ws, p, k); }
-    void add_forces(const TermWorkspace& ws, int begin, int end, float* out) const override {
-        entries_.sums().gather().add(ws.single.force.data(), 1.0f, begin, end, out);
-    }
     void filter(TermWorkspace& ws) const override;
     void precondition(std::vector<Vec3>& stiffness) const override;
     void pullback(TermWorkspace& ws, const double* q, const double* lambda, Threads threads,
@@ -47,7 +37,6 @@ private:
     double inv_dx_, gauss_volume_, contraction_;
     const BodyKernels& kernels_;
     std::vector<MuscleEntry> muscles_;
-    BlockLayout entries_;
     template <class T>
     struct Fibres {
         std::vector<T> weight;     // weight V/8, blocked

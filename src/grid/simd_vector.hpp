@@ -34,17 +34,23 @@ typedef float Vs
 typedef float Vsu __attribute__((vector_size(kSingleLanes * sizeof(float)), aligned(sizeof(float)), may_alias));
 typedef int SingleMask __attribute__((vector_size(kSingleLanes * sizeof(int))));
 
+// Four numbers of any alignment, a padded three-vector.
+typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef float FourSingle __attribute__((vector_size(4 * sizeof(float)), aligned(sizeof(float)), may_alias));
+
 // By the number that a kernel computes with.
 template <class T>
 struct Register;
 template <>
 struct Register<double> {
     typedef V type;
+    typedef Four row;
     static constexpr int lanes = kLanes;
 };
 template <>
 struct Register<float> {
     typedef Vs type;
+    typedef FourSingle row;
     static constexpr int lanes = kSingleLanes;
 };
 template <class T>
@@ -58,15 +64,6 @@ using Lanes = typename Register<T>::type;
 }
 [[maybe_unused]] inline void store(double* p, V v) {
     *reinterpret_cast<Vu*>(p) = v;
-}
-// Four numbers of any alignment, a padded three-vector.
-typedef double Four __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
-typedef float FourSingle __attribute__((vector_size(4 * sizeof(float)), aligned(sizeof(float)), may_alias));
-[[maybe_unused]] inline Four& four_at(double* p) {
-    return *reinterpret_cast<Four*>(p);
-}
-[[maybe_unused]] inline FourSingle& four_at(float* p) {
-    return *reinterpret_cast<FourSingle*>(p);
 }
 [[maybe_unused]] inline V broadcast(double x) {
     return V{} + x;
@@ -164,26 +161,20 @@ typedef float FourSingle __attribute__((vector_size(4 * sizeof(float)), aligned(
 #endif
 }
 // To out [lane][4].
-[[maybe_unused]] inline void store_three(double* out, V x, V y, V z) {
-    Four row[kLanes];
+template <class T>
+inline void store_three(T* out, Lanes<T> x, Lanes<T> y, Lanes<T> z) {
+    using Row = typename Register<T>::row;
+    Row row[Register<T>::lanes];
     rows_of(x, y, z, row);
-    for (int l = 0; l < kLanes; ++l) four_at(out + 4 * l) = row[l];
-}
-[[maybe_unused]] inline void store_three(float* out, Vs x, Vs y, Vs z) {
-    FourSingle row[kSingleLanes];
-    rows_of(x, y, z, row);
-    for (int l = 0; l < kSingleLanes; ++l) four_at(out + 4 * l) = row[l];
+    for (int l = 0; l < Register<T>::lanes; ++l) *reinterpret_cast<Row*>(out + 4 * l) = row[l];
 }
 // Added to the four numbers at p + index[lane].
-[[maybe_unused]] inline void add_three(double* p, const std::uint16_t* index, V x, V y, V z) {
-    Four row[kLanes];
+template <class T>
+inline void add_three(T* p, const std::uint16_t* index, Lanes<T> x, Lanes<T> y, Lanes<T> z) {
+    using Row = typename Register<T>::row;
+    Row row[Register<T>::lanes];
     rows_of(x, y, z, row);
-    for (int l = 0; l < kLanes; ++l) four_at(p + index[l]) += row[l];
-}
-[[maybe_unused]] inline void add_three(float* p, const std::uint16_t* index, Vs x, Vs y, Vs z) {
-    FourSingle row[kSingleLanes];
-    rows_of(x, y, z, row);
-    for (int l = 0; l < kSingleLanes; ++l) four_at(p + index[l]) += row[l];
+    for (int l = 0; l < Register<T>::lanes; ++l) *reinterpret_cast<Row*>(p + index[l]) += row[l];
 }
 [[maybe_unused]] inline V square_root(V v) {
 #if defined(__AVX512F__)

@@ -48,8 +48,8 @@ inline void chunk_product(const Real* chunk, const Real* in, int count, typename
         for (int chain = 0; chain < chains; ++chain) add(chain, j + chain);
     for (; j < count; ++j) add(0, j);
     for (int k = 0; k < width; ++k) {
-        y[k] = sum[0][k] + sum[1][k];
-        if (chains == 4) y[k] += sum[chains - 2][k] + sum[chains - 1][k];
+        y[k] = sum[0][k];
+        for (int chain = 1; chain < chains; ++chain) y[k] += sum[chain][k];
     }
 }
 

@@ -132,7 +132,7 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
     PcgResult result;
     PcgVectors<double>& v = ws.exact;
     PcgVectors<float>& s = ws.single;
-    v.r.resize(n), v.z.resize(n), v.p.resize(n), v.ap.resize(n);
+    v.r.resize(n), v.ap.resize(n);
     s.x.resize(n), s.r.resize(n), s.z.resize(n), s.p.resize(n + 1), s.ap.assign(n, 0.0f);
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
     const double scale = 1.0 / norm_b;
@@ -147,7 +147,6 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
         const double goal = std::max(tolerance, kUpdate * exact);
         result.iterations +=
             iterate(n, goal, max_iterations - result.iterations, single, threads, s, s.x.data(), false, at);
-        const bool trouble = at.negative_curvature || !std::isfinite(at.norm);
         if (!std::isfinite(at.norm)) break;
         const bool trusted = at.norm <= tolerance && rounding(s.x.data()) <= kTrusted * tolerance;
         parallel_chunks(threads, size, kGrain, [&](int begin, int end) {
@@ -170,8 +169,9 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
             result.converged = true;
             return result;
         }
-        if (trouble || !(exact < 0.1 * before)) break;
+        if (at.negative_curvature || !(exact < 0.1 * before)) break;
     }
+    v.z.resize(n), v.p.resize(n);
     Progress on;
     on.norm = norm_b * exact;
     finish(n, norm_b, x, tolerance, max_iterations, system, threads, v, indefinite, on, result);

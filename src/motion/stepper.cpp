@@ -74,10 +74,8 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
 void Stepper::begin(const State& now, const StepInput& input) {
     two_step_ = scene_.integrator == Integrator::bdf2 && !now.q_before.empty();
     beta_ = two_step_ ? 2.0 / 3.0 * scene_.time_step : scene_.time_step;
-    const double* diagonal = design_->stiffness_diagonal().data();
-    const double noise2 = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        double sum = 0.0;
-        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
             base_[i] = lag_q_[i] = now.q[i];
             double velocity = lag_v_[i] = now.v[i];
             if (two_step_) {
@@ -87,16 +85,26 @@ void Stepper::begin(const State& now, const StepInput& input) {
                 lag_v_[i] = 2.0 * now.v[i] - now.v_before[i];
             }
             y_[i] = base_[i] + beta_ * velocity;
-            // Positions are known to one rounding; the stiffness turns it into a force that no iteration can remove.
-            const double force = diagonal[i / 3] * now.q[i];
+        }
+    });
+    noise_ = rounding_of(now.q.data());
+    if (const Water* water = design_->water())
+        water->lag(water_, lag_q_.data(), lag_v_.data(), design_->sensors().direction(lag_q_.data()), input.current,
+                   threads_);
+}
+
+template <class T>
+double Stepper::rounding_of(const T* x) const {
+    const double* diagonal = design_->stiffness_diagonal().data();
+    const double square = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        double sum = 0.0;
+        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+            const double force = diagonal[i / 3] * static_cast<double>(x[i]);
             sum += force * force;
         }
         return sum;
     });
-    noise_ = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(noise2);
-    if (const Water* water = design_->water())
-        water->lag(water_, lag_q_.data(), lag_v_.data(), design_->sensors().direction(lag_q_.data()), input.current,
-                   threads_);
+    return 0.25 * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::sqrt(square);
 }
 
 template <class T>
@@ -168,19 +176,7 @@ PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, b
     if (!design_->preconditioner().has_single())
         return pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), threads_, krylov_, indefinite);
     design_->body().to_single(body_, threads_);
-    // As noise_ in begin().
-    const auto rounding = [this](const float* p) {
-        const double* diagonal = design_->stiffness_diagonal().data();
-        const double square = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-            double sum = 0.0;
-            for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
-                const double force = diagonal[i / 3] * static_cast<double>(p[i]);
-                sum += force * force;
-            }
-            return sum;
-        });
-        return 0.25 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::sqrt(square);
-    };
+    const auto rounding = [this](const float* p) { return rounding_of(p); };
     return mixed_pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), system<float>(), rounding, threads_,
                      krylov_, indefinite);
 }

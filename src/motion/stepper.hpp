@@ -99,6 +99,9 @@ private:
     PcgProducts<T> system();  // of both
     // H x = b, in mixed precision where the preconditioner is in single precision.
     PcgResult solve_hessian(const double* b, double* x, double tolerance, bool indefinite);
+    // Numbers are known to one rounding; the stiffness turns it into a force that no iteration can remove.
+    template <class T>
+    double rounding_of(const T* x) const;
     template <class T>
     void mask(T* field) const;  // zero on the constrained coordinates
     double dot(const double* a, const double* b) const { return ordered_dot(a, b, size_, threads_); }
