@@ -12,7 +12,7 @@
 
 namespace dqa {
 
-constexpr int kNodeGrain = 128;  // nodes a chunk
+constexpr int kNodeGrain = 64;  // nodes a chunk
 
 class NodeGather {
 public:

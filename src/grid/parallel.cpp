@@ -22,70 +22,86 @@ inline void relax() {
 
 }  // namespace
 
-int WorkCrew::Share::take_first() {
-    std::uint64_t now = left.load();
-    do
-        if (now >> 32 >= (now & 0xffffffffu)) return -1;
-    while (!left.compare_exchange_weak(now, now + (std::uint64_t{1} << 32)));
-    return static_cast<int>(now >> 32);
-}
-
-int WorkCrew::Share::take_last() {
-    std::uint64_t now = left.load();
-    do
-        if (now >> 32 >= (now & 0xffffffffu)) return -1;
-    while (!left.compare_exchange_weak(now, now - 1));
-    return static_cast<int>(now & 0xffffffffu) - 1;
-}
-
-void WorkCrew::run_chunk(int chunk) {
-    try {
-        (*job_)(chunk);
-    } catch (...) {
-        const std::lock_guard<std::mutex> lock(error_mutex_);
-        if (!error_) error_ = std::current_exception();
-        for (int k = 0; k < threads_; ++k) shares_[static_cast<std::size_t>(k)].left.store(0);  // need not run
+int WorkCrew::take(int k, std::uint32_t epoch, int count, bool last) {
+    std::atomic<std::uint64_t>& left = shares_[static_cast<std::size_t>(k)].left;
+    std::uint64_t now = left.load(std::memory_order_acquire);
+    while (true) {
+        const std::uint32_t age = epoch - static_cast<std::uint32_t>(now >> 32);
+        if (age > 1u << 31) return -1;  // a newer loop than ours
+        std::uint64_t first = now >> 16 & 0xffff, end = now & 0xffff;
+        if (age > 0)
+            first = static_cast<std::uint64_t>(share_begin(k, count)),
+            end = static_cast<std::uint64_t>(share_begin(k + 1, count));
+        const bool none = first >= end;
+        if (none && age == 0) return -1;
+        const int chunk = none ? -1 : static_cast<int>(last ? --end : first++);
+        if (left.compare_exchange_weak(now, static_cast<std::uint64_t>(epoch) << 32 | first << 16 | end,
+                                       std::memory_order_acq_rel, std::memory_order_acquire))
+            return chunk;
     }
 }
 
-void WorkCrew::take_chunks(int self) {
-    Share& own = shares_[static_cast<std::size_t>(self)];
-    for (int k = own.take_first(); k >= 0; k = own.take_first()) run_chunk(k);
-    for (int other = 1; other < threads_; ++other) {
-        Share& share = shares_[static_cast<std::size_t>((self + other) % threads_)];
-        for (int k = share.take_last(); k >= 0; k = share.take_last()) run_chunk(k);
+void WorkCrew::run_chunk(Job job, const void* context, int chunk) {
+    if (failed_.load(std::memory_order_relaxed)) return;  // need not run
+    try {
+        job(context, chunk);
+    } catch (...) {
+        const std::lock_guard<std::mutex> lock(error_mutex_);
+        if (!error_) error_ = std::current_exception();
+        failed_.store(true, std::memory_order_relaxed);
+    }
+}
+
+void WorkCrew::take_chunks(int self, std::uint32_t epoch) {
+    // Acquired one after the other: who sees a newer loop's numbers sees the shares that the older one left.
+    const int count = loop_.count.load(std::memory_order_acquire);
+    const Job job = loop_.job.load(std::memory_order_acquire);
+    const void* context = loop_.context.load(std::memory_order_acquire);
+    for (int other = 0; other < threads_; ++other) {
+        const int k = (self + other) % threads_;
+        std::uint32_t taken = 0;
+        for (int chunk = take(k, epoch, count, other > 0); chunk >= 0; chunk = take(k, epoch, count, other > 0)) {
+            run_chunk(job, context, chunk);
+            ++taken;
+        }
+        if (taken > 0) shares_[static_cast<std::size_t>(k)].finished.fetch_add(taken, std::memory_order_release);
     }
 }
 
 void WorkCrew::help(int self) {
     std::uint32_t seen = 0;
     while (true) {
-        for (int spin = 0; spin < kSpins && epoch_.load() == seen; ++spin) relax();
-        epoch_.wait(seen);
-        ++inside_;
-        seen = epoch_.load();
-        if (seen & 1u) take_chunks(self);
-        --inside_;
-        // After `seen`: stop_ is set before the last change of the epoch, so that who has seen that change sees stop_
-        // too. Looked at before, the end could come in between, and the helper would wait for a change after the last.
-        if (stop_.load()) return;
+        for (int spin = 0; spin < kSpins && loop_.epoch.load(std::memory_order_relaxed) == seen; ++spin) relax();
+        loop_.epoch.wait(seen);
+        seen = loop_.epoch.load(std::memory_order_acquire);
+        if (!loop_.job.load(std::memory_order_acquire)) return;
+        take_chunks(self, seen);
     }
 }
 
-void WorkCrew::for_chunks(int count, const std::function<void(int)>& f) {
-    job_ = &f;
-    const auto bound = [&](int k) {
-        return static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(k) / static_cast<std::uint64_t>(threads_);
-    };
-    for (int k = 0; k < threads_; ++k) shares_[static_cast<std::size_t>(k)].left.store(bound(k) << 32 | bound(k + 1));
-    ++epoch_;
-    epoch_.notify_all();
-    take_chunks(0);
-    ++epoch_;
-    while (inside_.load() != 0) relax();
-    if (error_) {
-        const std::exception_ptr error = error_;
-        error_ = nullptr;
+void WorkCrew::for_chunks(int count, Job job, const void* context) {
+    if (count > kMost) {  // as few calls of more chunks each
+        const int group = count / kMost + 1;
+        for_chunks((count + group - 1) / group, [&](int k) {
+            for (int chunk = k * group; chunk < std::min(count, (k + 1) * group); ++chunk) job(context, chunk);
+        });
+        return;
+    }
+    loop_.count.store(count, std::memory_order_release);
+    loop_.job.store(job, std::memory_order_release);
+    loop_.context.store(context, std::memory_order_release);
+    const std::uint32_t epoch = loop_.epoch.load(std::memory_order_relaxed) + 1;
+    loop_.epoch.store(epoch);
+    loop_.epoch.notify_all();
+    take_chunks(0, epoch);
+    for (int k = 0; k < threads_; ++k) {
+        Share& share = shares_[static_cast<std::size_t>(k)];
+        share.begun += static_cast<std::uint32_t>(share_begin(k + 1, count) - share_begin(k, count));
+        while (share.finished.load(std::memory_order_acquire) != share.begun) relax();
+    }
+    if (failed_.load(std::memory_order_relaxed)) {
+        const std::exception_ptr error = std::exchange(error_, nullptr);
+        failed_.store(false, std::memory_order_relaxed);
         std::rethrow_exception(error);
     }
 }
@@ -98,9 +114,9 @@ void WorkCrew::run(const std::function<void()>& work) {
         } catch (...) {
             error = std::current_exception();
         }
-        stop_.store(true);
-        epoch_ += 2;
-        epoch_.notify_all();
+        loop_.job.store(nullptr, std::memory_order_release);
+        ++loop_.epoch;
+        loop_.epoch.notify_all();
     };
 #if defined(_OPENMP)
 #pragma omp parallel num_threads(threads_)

@@ -10,6 +10,9 @@
 // Each thread begins with a share of its own: the first of T threads with the first T-th of the chunks, and so on. As
 // loops over cells, nodes and faces all run along the body, a thread finds in its cache what it left there in the loop
 // before; who is done with his share helps the others from the ends of theirs.
+//
+// What one thread has written costs another a hundred nanoseconds to read, and a small body's loop takes two thousand.
+// So the caller publishes a loop in one cache line, and a share stays in its owner's cache unless it is helped with.
 #pragma once
 
 #include <algorithm>
@@ -34,28 +37,45 @@ public:
     // Runs `work` on the calling thread with threads - 1 helpers standing by for for_chunks.
     void run(const std::function<void()>& work);
     // f(chunk) for chunks 0 ... count - 1, any order, any thread; only from within run, on the calling thread.
-    void for_chunks(int count, const std::function<void(int)>& f);
+    template <class F>
+    void for_chunks(int count, const F& f) {
+        for_chunks(
+            count, [](const void* context, int chunk) { (*static_cast<const F*>(context))(chunk); }, &f);
+    }
 
 private:
-    // Chunks of a share that nobody has taken: the first in the upper half, one past the last in the lower.
+    using Job = void (*)(const void* context, int chunk);
+    // An open loop. Its job is null when there will be no more.
+    struct alignas(64) Loop {
+        std::atomic<std::uint32_t> epoch{0};  // counts the loops
+        std::atomic<int> count{0};
+        std::atomic<Job> job{nullptr};
+        std::atomic<const void*> context{nullptr};
+    };
+    // The chunks of a share that nobody has taken: the epoch of the loop, the first of them, one past the last. Of an
+    // older epoch: nobody has looked at it in this loop, and it is whole. The caller ends a loop by leaving all shares
+    // empty and in its epoch, so that a thread that comes late, wherever it was put aside, can take nothing any more.
     struct alignas(64) Share {
         std::atomic<std::uint64_t> left{0};
-        int take_first();  // -1: none is left
-        int take_last();
+        std::atomic<std::uint32_t> finished{0};  // chunks of all loops
+        std::uint32_t begun = 0;                 // the same, the caller's account
     };
+    static constexpr int kMost = 0xffff;  // chunks that a share's number holds
 
+    void for_chunks(int count, Job job, const void* context);
+    int share_begin(int k, int count) const {
+        return static_cast<int>(static_cast<std::int64_t>(count) * k / threads_);
+    }
+    // A chunk of share k, the last one of those left or the first; -1 if none is left.
+    int take(int k, std::uint32_t epoch, int count, bool last);
+    void take_chunks(int self, std::uint32_t epoch);
+    void run_chunk(Job job, const void* context, int chunk);
     void help(int self);
-    void take_chunks(int self);
-    void run_chunk(int chunk);
 
     int threads_;
     std::unique_ptr<Share[]> shares_;
-    // Even: no loop is open; odd: one is. Workers announce themselves in inside_ before they look, and the caller
-    // closes the loop before it looks at inside_: one of the two always sees the other.
-    alignas(64) std::atomic<std::uint32_t> epoch_{0};
-    alignas(64) std::atomic<int> inside_{0};
-    std::atomic<bool> stop_{false};
-    const std::function<void(int)>* job_ = nullptr;
+    Loop loop_;
+    alignas(64) std::atomic<bool> failed_{false};
     std::mutex error_mutex_;
     std::exception_ptr error_;
 };
@@ -89,7 +109,8 @@ void parallel_chunks(Threads threads, int n, int grain, F&& f) {
     } else if (threads.crew) {
         threads.crew->for_chunks(chunks, one);
     } else {
-        with_crew(threads.count, [&](Threads t) { t.crew->for_chunks(chunks, one); });
+        WorkCrew crew(threads.count);
+        crew.run([&] { crew.for_chunks(chunks, one); });
     }
 }
 

@@ -28,15 +28,15 @@ BlockMatrix galerkin(const BlockMatrix& fine, const GridTransfer& q) {
             for (int k = fine.start[i]; k < fine.start[i + 1]; ++k) {
                 const std::size_t j = static_cast<std::size_t>(fine.column[static_cast<std::size_t>(k)]);
                 const auto& block = fine.block[static_cast<std::size_t>(k)];
-                for (int t = q.fine_start[j]; t < q.fine_start[j + 1]; ++t) {
-                    const int other = q.fine_from[static_cast<std::size_t>(t)];
+                const double factor = w * static_cast<double>(q.fine_weight[j]);
+                for (const int other : q.fine_from[j]) {
+                    if (other == static_cast<int>(n)) break;
                     int& at = slot[static_cast<std::size_t>(other)];
                     if (at < 0) {
                         at = static_cast<int>(out.column.size());
                         out.column.push_back(other);
                         out.block.push_back({});
                     }
-                    const double factor = w * static_cast<double>(q.fine_weight[static_cast<std::size_t>(t)]);
                     auto& sum = out.block[static_cast<std::size_t>(at)];
                     for (std::size_t e = 0; e < 9; ++e) sum[e] += factor * block[e];
                 }
@@ -107,25 +107,32 @@ std::array<double, 9> invert_block(const std::array<double, 9>& block) {
 GridTransfer::GridTransfer(const std::vector<GridNode>& fine) {
     std::map<GridNode, int> index;
     std::vector<std::vector<std::pair<int, float>>> rows;
-    fine_start.push_back(0);
     for (std::size_t n = 0; n < fine.size(); ++n) {
+        float weight = 1.0f;
+        for (const int at : fine[n])
+            if (at % 2) weight *= 0.5f;
+        std::array<int, 8> from;
+        from.fill(-1);
+        std::size_t count = 0;
         for (int corner = 0; corner < 8; ++corner) {
             GridNode at{};
-            float weight = 1.0f;
+            bool counts = true;
             for (std::size_t a = 0; a < 3; ++a) {
                 const int side = corner >> a & 1;
                 at[a] = fine[n][a] / 2 + side;
-                weight *= fine[n][a] % 2 ? 0.5f : (side ? 0.0f : 1.0f);
+                counts &= !side || fine[n][a] % 2;
             }
-            if (weight == 0.0f) continue;
+            if (!counts) continue;
             const auto [place, fresh] = index.try_emplace(at, static_cast<int>(coarse.size()));
             if (fresh) coarse.push_back(at), rows.emplace_back();
-            fine_from.push_back(place->second), fine_weight.push_back(weight);
+            from[count++] = place->second;
             rows[static_cast<std::size_t>(place->second)].emplace_back(static_cast<int>(n), weight);
         }
-        fine_start.push_back(static_cast<int>(fine_from.size()));
+        fine_from.push_back(from), fine_weight.push_back(weight);
     }
-    coarse_start.push_back(0);
+    for (auto& from : fine_from)
+        for (int& c : from)
+            if (c < 0) c = static_cast<int>(coarse.size());
     for (const auto& row : rows) {
         for (const auto& [n, weight] : row) coarse_to.push_back(n), coarse_weight.push_back(weight);
         coarse_start.push_back(static_cast<int>(coarse_to.size()));
@@ -181,17 +188,15 @@ void Multigrid<Real>::prepare(Workspace& ws) const {
     for (std::size_t l = 0; l < count; ++l) {
         const std::size_t n =
             4 * static_cast<std::size_t>(l < levels_.size() ? levels_[l].size() : coarsest_->size() / 3);
-        ws.right[l].resize(n), ws.solution[l].resize(n), ws.residual[l].resize(n);
+        ws.right[l].resize(n), ws.solution[l].resize(n + 4), ws.residual[l].resize(n + 4);
     }
-    ws.direct.resize(static_cast<std::size_t>(coarsest_->size()));
 }
 
 template <class Real>
 std::int64_t Multigrid<Real>::bytes() const {
     std::size_t sum = 2 * static_cast<std::size_t>(coarsest_->entries()) * sizeof(Real);
     for (const Level& l : levels_)
-        sum += (l.block.size() + l.inverse.size()) * sizeof(Real) + l.column.size() * sizeof(int) +
-               2 * l.transfer->fine_from.size() * (sizeof(int) + sizeof(float));
+        sum += (l.block.size() + l.inverse.size()) * sizeof(Real) + l.column.size() * sizeof(int) + l.transfer->bytes();
     return static_cast<std::int64_t>(sum);
 }
 
@@ -210,18 +215,10 @@ const Real* Multigrid<Real>::cycle(std::size_t l, const GridTransfer& transfer, 
     Real *right = ws.right[l].data(), *x = ws.solution[l].data();
     const int n = static_cast<int>(ws.right[l].size() / 4);
     if (l == levels_.size()) {
-        double* direct = ws.direct.data();
-        parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                const Four<Real> sum = transfer.restricted(i, fine);
-                for (int a = 0; a < 3; ++a) direct[3 * i + a] = static_cast<double>(sum[a]);
-            }
-        });
-        coarsest_->solve(direct, direct, threads, ws.factor, 1);
-        for (int i = 0; i < n; ++i) {
-            for (int a = 0; a < 3; ++a) x[4 * i + a] = static_cast<Real>(direct[3 * i + a]);
-            x[4 * i + 3] = 0;
-        }
+        const PackedFactor::ReadBlocks<Real> read = [&](const int* blocks, int count, Real* values) {
+            for (int b = 0; b < count; ++b) four(values + 4 * b) = transfer.restricted(blocks[b], fine);
+        };
+        coarsest_->solve(read, x, threads, ws.factor);
         return x;
     }
     const Level& level = levels_[l];
@@ -247,9 +244,7 @@ const Real* Multigrid<Real>::cycle(std::size_t l, const GridTransfer& transfer, 
     const Real* coarse = cycle(l + 1, *level.transfer, residual, threads, ws);
     parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
-            Four<Real> sum = four(x + 4 * i);
-            level.transfer->add_from_coarse(i, coarse, sum);
-            four(x + 4 * i) = sum;
+            four(x + 4 * i) += level.transfer->interpolated(i, coarse);
         }
     });
     // Not in place: the residuals of other nodes still need the old values.

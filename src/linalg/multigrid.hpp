@@ -34,20 +34,16 @@ inline void add_block(const Real* block, const Real* x, Four<Real>& y) {
 
 // Trilinear interpolation between the nodes of a grid and those of one twice as coarse, by rows both ways.
 struct GridTransfer {
-    std::vector<GridNode> coarse;                   // node (i, j, k) stands at (2 i, 2 j, 2 k)
-    std::vector<int> fine_start, fine_from;         // of each fine node: coarse nodes
-    std::vector<int> coarse_start, coarse_to;       // of each coarse node: fine nodes
-    std::vector<float> fine_weight, coarse_weight;  // halves, quarters, eighths: exact
+    std::vector<GridNode> coarse;  // node (i, j, k) stands at (2 i, 2 j, 2 k)
+    // Of each fine node: the one to eight coarse nodes around it, of equal weights, then coarse.size(). Always eight,
+    // as the processor cannot guess their number.
+    std::vector<std::array<int, 8>> fine_from;
+    std::vector<float> fine_weight;
+    std::vector<int> coarse_start{0}, coarse_to;  // of each coarse node: fine nodes
+    std::vector<float> coarse_weight;             // halves, quarters, eighths: exact
 
     explicit GridTransfer(const std::vector<GridNode>& fine);
 
-    // out [n_coarse][4] = Q^T in [n_fine][4]
-    template <class Real>
-    void restrict_to_coarse(const Real* in, Real* out, Threads threads) const {
-        parallel_chunks(threads, static_cast<int>(coarse.size()), 64, [&](int begin, int end) {
-            for (int c = begin; c < end; ++c) four(out + 4 * c) = restricted(c, in);
-        });
-    }
     // Q^T in at coarse node c
     template <class Real>
     Four<Real> restricted(int c, const Real* in) const {
@@ -57,12 +53,18 @@ struct GridTransfer {
                    four(in + 4 * coarse_to[static_cast<std::size_t>(s)]);
         return sum;
     }
-    // sum += (Q coarse) at fine node n
+    // Q coarse at fine node n; coarse [coarse.size() + 1][4], the last all zero.
     template <class Real>
-    void add_from_coarse(int n, const Real* coarse_values, Four<Real>& sum) const {
-        for (int s = fine_start[static_cast<std::size_t>(n)]; s < fine_start[static_cast<std::size_t>(n) + 1]; ++s)
-            sum += static_cast<Real>(fine_weight[static_cast<std::size_t>(s)]) *
-                   four(coarse_values + 4 * fine_from[static_cast<std::size_t>(s)]);
+    Four<Real> interpolated(int n, const Real* coarse_values) const {
+        const std::array<int, 8>& from = fine_from[static_cast<std::size_t>(n)];
+        const auto at = [&](std::size_t k) { return four(coarse_values + 4 * from[k]); };
+        return static_cast<Real>(fine_weight[static_cast<std::size_t>(n)]) *
+               (((at(0) + at(1)) + (at(2) + at(3))) + ((at(4) + at(5)) + (at(6) + at(7))));
+    }
+    // Bytes that the two read.
+    std::size_t bytes() const {
+        return fine_from.size() * (sizeof(fine_from[0]) + sizeof(float)) +
+               coarse_to.size() * (sizeof(int) + sizeof(float)) + coarse_start.size() * sizeof(int);
     }
 };
 
@@ -82,11 +84,10 @@ public:
 
     struct Workspace {
         std::vector<std::vector<Real>> right, solution, residual;  // by level
-        std::vector<double> direct;
         PackedFactor::Workspace factor;
     };
-    // solution [n][4] of the right-hand side Q^T fine, by the transfer from the fine nodes to the first level. Returned
-    // is a part of the workspace.
+    // solution [n + 1][4] of the right-hand side Q^T fine, by the transfer from the fine nodes to the first level; the
+    // last four are zero. Returned is a part of the workspace.
     const Real* solve(const GridTransfer& transfer, const Real* fine, Threads threads, Workspace& ws) const;
     // Bytes of what a cycle reads: blocks and their places, transfers, and the factor both ways.
     std::int64_t bytes() const;

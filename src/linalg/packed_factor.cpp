@@ -9,8 +9,12 @@
 namespace dqa {
 namespace {
 
-constexpr double kSubtreeShare = 1.0 / 10.0;  // of the work: subtrees are split until none is larger
-constexpr long kParallelEntries = 1 << 14;    // supernodes above the subtrees with fewer are not worth a parallel loop
+// Of the work: subtrees are split until none is larger. What lies above them is solved by one thread after the other,
+// and in a small factor that is much.
+constexpr double kSubtreeShare = 1.0 / 10.0, kSmallShare = 1.0 / 4.0;
+constexpr int kSmall = 1024;                // unknowns
+constexpr int kBatch = 64;                  // blocks that are read at once
+constexpr long kParallelEntries = 1 << 14;  // supernodes above the subtrees with fewer are not worth a parallel loop
 
 long work_of(const Supernode& s) {
     return static_cast<long>(s.rows.size()) * s.columns + 64;
@@ -25,6 +29,7 @@ PackedFactor::PackedFactor(const CholeskyFactor& factor, Precision precision, In
         pack(factor, single_);
     else
         pack(factor, double_);
+    list_blocks();
 }
 
 // Chooses the subtrees and puts their supernodes first, subtree by subtree.
@@ -48,13 +53,14 @@ void PackedFactor::divide(const CholeskyFactor& factor) {
     }
     long total = 0;
     for (const int root : children[static_cast<std::size_t>(count)]) total += work[static_cast<std::size_t>(root)];
+    const double largest = (n_ <= kSmall ? kSmallShare : kSubtreeShare) * static_cast<double>(total);
     // Roots of the subtrees: descend while a tree is too large a share.
     std::vector<int> open = children[static_cast<std::size_t>(count)], roots, above;
     while (!open.empty()) {
         const int s = open.back();
         open.pop_back();
         const auto& below = children[static_cast<std::size_t>(s)];
-        if (static_cast<double>(work[static_cast<std::size_t>(s)]) <= kSubtreeShare * static_cast<double>(total)) {
+        if (static_cast<double>(work[static_cast<std::size_t>(s)]) <= largest) {
             roots.push_back(s);
         } else {
             above.push_back(s);
@@ -66,10 +72,9 @@ void PackedFactor::divide(const CholeskyFactor& factor) {
     // Neighbouring small subtrees make one task.
     long gathered = 0;
     for (const int root : roots) {
-        if (subtrees_.empty() || gathered + work[static_cast<std::size_t>(root)] >
-                                     static_cast<long>(kSubtreeShare * static_cast<double>(total))) {
+        if (subtrees_.empty() || static_cast<double>(gathered + work[static_cast<std::size_t>(root)]) > largest) {
             const int at = static_cast<int>(order_.size());
-            subtrees_.push_back({at, at, 0, 0});
+            subtrees_.push_back({at, at});
             gathered = 0;
         }
         gathered += work[static_cast<std::size_t>(root)];
@@ -106,11 +111,11 @@ void PackedFactor::pack(const CholeskyFactor& factor, std::vector<Real>& values)
     top_ = n_;
     const std::size_t below_top = subtrees_.empty() ? 0 : static_cast<std::size_t>(subtrees_.back().end);
     if (below_top < supernodes_.size()) top_ = supernodes_[below_top].first;
-    for (Subtree& t : subtrees_) {
-        t.first_row = supernodes_[static_cast<std::size_t>(t.begin)].first;
+    for (const Subtree& t : subtrees_) {
         const PackedSupernode& last = supernodes_[static_cast<std::size_t>(t.end) - 1];
-        t.last_row = last.first + last.columns;
+        parts_.push_back({supernodes_[static_cast<std::size_t>(t.begin)].first, last.first + last.columns, 0, 0});
     }
+    for (int row = top_; row < n_; row += 3 * kBatch) parts_.push_back({row, std::min(n_, row + 3 * kBatch), 0, 0});
     for (std::size_t k = 0; k < order_.size(); ++k) {
         const Supernode& s = factor.supernodes[static_cast<std::size_t>(order_[k])];
         PackedSupernode& p = supernodes_[k];
@@ -142,58 +147,55 @@ void PackedFactor::pack(const CholeskyFactor& factor, std::vector<Real>& values)
     }
 }
 
-template <int width, class Real>
-void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<Real>& values, const double* in,
-                         double* out, Threads threads, Scratch<Real>& ws) const {
+void PackedFactor::list_blocks() {
+    if (n_ % 3 != 0) return;
+    std::vector<int> seen(static_cast<std::size_t>(n_ / 3), -1);
+    for (Part& part : parts_) {
+        part.first_block = static_cast<int>(block_.size());
+        for (int k = part.first_row; k < part.last_row; ++k) {
+            const int i = permutation_[static_cast<std::size_t>(k)];
+            int& at = seen[static_cast<std::size_t>(i / 3)];
+            if (at < part.first_block) {
+                at = static_cast<int>(block_.size());
+                block_.push_back(i / 3);
+                block_rows_.push_back({-1, -1, -1});
+            }
+            block_rows_[static_cast<std::size_t>(at)][static_cast<std::size_t>(i % 3)] = k;
+        }
+        part.last_block = static_cast<int>(block_.size());
+    }
+}
+
+template <int width, class Real, class Read, class Write>
+void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<Real>& values, Read&& read,
+                         Write&& write, Threads threads, Scratch<Real>& ws) const {
     constexpr std::size_t stride = width == 1 ? 1 : 4;
-    const std::size_t n = static_cast<std::size_t>(n_), above = stride * static_cast<std::size_t>(n_ - top_);
+    const std::size_t above = stride * static_cast<std::size_t>(n_ - top_);
     const std::size_t scratch = stride * static_cast<std::size_t>(widest_);
-    ws.x.resize(stride * n);
+    const int n_subtrees = static_cast<int>(subtrees_.size()), n_parts = static_cast<int>(parts_.size());
     ws.outside.resize(above * subtrees_.size());
     ws.in.resize(scratch * (subtrees_.size() + 1));
-    // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
-    double largest = 0.0;
-    for (std::size_t k = 0; k < width * n; ++k) largest = std::max(largest, std::fabs(in[k]));
-    if (!(largest > 0) || !std::isfinite(largest)) {
-        std::fill(out, out + width * n, 0.0);
-        return;
-    }
-    const double scale = 1.0 / largest;
     Real* x = ws.x.data();
     Real* x_above = x + stride * static_cast<std::size_t>(top_);
-    const auto read = [&](int begin, int end) {
-        for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-            const double* source = in + width * static_cast<std::size_t>(permutation_[k]);
-            for (std::size_t a = 0; a < stride; ++a)
-                x[stride * k + a] = a < width ? static_cast<Real>(scale * source[a]) : Real(0);
-        }
-    };
-    const auto write = [&](int begin, int end) {
-        for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-            double* target = out + width * static_cast<std::size_t>(permutation_[k]);
-            for (std::size_t a = 0; a < width; ++a) target[a] = largest * static_cast<double>(x[stride * k + a]);
-        }
-    };
     // A supernode's rows or columns, in pieces over the threads if it is large.
     const auto by_pieces = [&](const PackedSupernode& p, int length, auto&& f) {
         const bool large = static_cast<long>(p.columns) * (p.columns + p.rows_below) >= kParallelEntries;
         const int grain = 4 * kFactorLanes<Real>;
         parallel_chunks(large ? threads : Threads(1), length, large ? grain : std::max(length, 1), f);
     };
-    const int n_subtrees = static_cast<int>(subtrees_.size());
-    parallel_chunks(threads, n_subtrees, 1, [&](int t, int) {
+    parallel_chunks(threads, n_parts, 1, [&](int t, int) {
+        read(parts_[static_cast<std::size_t>(t)]);
+        if (t >= n_subtrees) return;
         const Subtree& tree = subtrees_[static_cast<std::size_t>(t)];
         Real* outside = ws.outside.data() + static_cast<std::size_t>(t) * above;
         Real* input = ws.in.data() + static_cast<std::size_t>(t) * scratch;
         std::fill(outside, outside + above, Real(0));
-        read(tree.first_row, tree.last_row);
         for (int s = tree.begin; s < tree.end; ++s) {
             const PackedSupernode& p = supernodes_[static_cast<std::size_t>(s)];
             kernels.own(p, x, input);
             kernels.forward(p, rows_.data(), values.data(), input, 0, p.columns + p.rows_below, x, outside, top_);
         }
     });
-    read(top_, n_);
     for (std::size_t t = 0; t < subtrees_.size(); ++t)
         for (std::size_t k = 0; k < above; ++k) x_above[k] += ws.outside[t * above + k];
     Real* input = ws.in.data() + subtrees_.size() * scratch;
@@ -211,31 +213,91 @@ void PackedFactor::sweep(const FactorKernels<Real>& kernels, const std::vector<R
         kernels.below(p, rows_.data(), x, x_above, top_, input);
         by_pieces(p, p.columns, [&](int begin, int end) { kernels.backward(p, values.data(), input, begin, end, x); });
     }
-    write(top_, n_);
-    parallel_chunks(threads, n_subtrees, 1, [&](int t, int) {
-        const Subtree& tree = subtrees_[static_cast<std::size_t>(t)];
-        Real* own = ws.in.data() + static_cast<std::size_t>(t) * scratch;
-        for (int s = tree.end; s-- > tree.begin;) {
-            const PackedSupernode& p = supernodes_[static_cast<std::size_t>(s)];
-            kernels.own(p, x, own);
-            kernels.below(p, rows_.data(), x, x_above, top_, own);
-            kernels.backward(p, values.data(), own, 0, p.columns, x);
+    parallel_chunks(threads, n_parts, 1, [&](int t, int) {
+        if (t < n_subtrees) {
+            const Subtree& tree = subtrees_[static_cast<std::size_t>(t)];
+            Real* own = ws.in.data() + static_cast<std::size_t>(t) * scratch;
+            for (int s = tree.end; s-- > tree.begin;) {
+                const PackedSupernode& p = supernodes_[static_cast<std::size_t>(s)];
+                kernels.own(p, x, own);
+                kernels.below(p, rows_.data(), x, x_above, top_, own);
+                kernels.backward(p, values.data(), own, 0, p.columns, x);
+            }
         }
-        write(tree.first_row, tree.last_row);
+        write(parts_[static_cast<std::size_t>(t)]);
     });
 }
 
-void PackedFactor::solve(const double* in, double* out, Threads threads, Workspace& ws, int width) const {
-    const auto sweep_in = [&](const auto& tables, const auto& values, auto& scratch) {
-        if (width == 1)
-            sweep<1>(tables.one, values, in, out, threads, scratch);
-        else
-            sweep<3>(tables.three, values, in, out, threads, scratch);
+template <class Real>
+void PackedFactor::solve_three(const FactorKernels<Real>& kernels, const std::vector<Real>& values, const double* in,
+                               double* out, Threads threads, Scratch<Real>& ws) const {
+    const std::size_t n = static_cast<std::size_t>(n_);
+    ws.x.resize(4 * n);
+    // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
+    double largest = 0.0;
+    for (std::size_t k = 0; k < 3 * n; ++k) largest = std::max(largest, std::fabs(in[k]));
+    if (!(largest > 0) || !std::isfinite(largest)) {
+        std::fill(out, out + 3 * n, 0.0);
+        return;
+    }
+    const double scale = 1.0 / largest;
+    Real* x = ws.x.data();
+    const auto each_row = [&](const Part& part, auto&& f) {
+        for (std::size_t k = static_cast<std::size_t>(part.first_row); k < static_cast<std::size_t>(part.last_row); ++k)
+            f(x + 4 * k, 3 * static_cast<std::size_t>(permutation_[k]));
     };
+    const auto read = [&](const Part& part) {
+        each_row(part, [&](Real* row, std::size_t at) {
+            for (std::size_t a = 0; a < 3; ++a) row[a] = static_cast<Real>(scale * in[at + a]);
+            row[3] = 0;
+        });
+    };
+    const auto write = [&](const Part& part) {
+        each_row(part, [&](const Real* row, std::size_t at) {
+            for (std::size_t a = 0; a < 3; ++a) out[at + a] = largest * static_cast<double>(row[a]);
+        });
+    };
+    sweep<3>(kernels, values, read, write, threads, ws);
+}
+
+void PackedFactor::solve(const double* in, double* out, Threads threads, Workspace& ws) const {
     if (precision_ == Precision::single_precision)
-        sweep_in(kernels_.single_factor, single_, ws.single_precision);
+        solve_three(kernels_.single_factor.three, single_, in, out, threads, ws.single_precision);
     else
-        sweep_in(kernels_.double_factor, double_, ws.double_precision);
+        solve_three(kernels_.double_factor.three, double_, in, out, threads, ws.double_precision);
+}
+
+template <class Real>
+void PackedFactor::solve_one(const FactorKernels<Real>& kernels, const std::vector<Real>& values,
+                             const ReadBlocks<Real>& read_blocks, Real* out, Threads threads, Scratch<Real>& ws) const {
+    ws.x.resize(static_cast<std::size_t>(n_));
+    Real* x = ws.x.data();
+    const auto read = [&](const Part& part) {
+        Real batch[4 * kBatch];
+        for (int first = part.first_block; first < part.last_block; first += kBatch) {
+            const int count = std::min(kBatch, part.last_block - first);
+            read_blocks(block_.data() + first, count, batch);
+            for (int b = 0; b < count; ++b)
+                for (std::size_t a = 0; a < 3; ++a) {
+                    const int row = block_rows_[static_cast<std::size_t>(first + b)][a];
+                    if (row >= 0) x[row] = batch[4 * static_cast<std::size_t>(b) + a];
+                }
+        }
+    };
+    const auto write = [&](const Part& part) {
+        for (std::size_t b = static_cast<std::size_t>(part.first_block); b < static_cast<std::size_t>(part.last_block);
+             ++b)
+            for (std::size_t a = 0; a < 3; ++a)
+                if (block_rows_[b][a] >= 0) out[4 * static_cast<std::size_t>(block_[b]) + a] = x[block_rows_[b][a]];
+    };
+    sweep<1>(kernels, values, read, write, threads, ws);
+}
+
+void PackedFactor::solve(const ReadBlocks<float>& read, float* out, Threads threads, Workspace& ws) const {
+    solve_one(kernels_.single_factor.one, single_, read, out, threads, ws.single_precision);
+}
+void PackedFactor::solve(const ReadBlocks<double>& read, double* out, Threads threads, Workspace& ws) const {
+    solve_one(kernels_.double_factor.one, double_, read, out, threads, ws.double_precision);
 }
 
 }  // namespace dqa

@@ -7,7 +7,7 @@
 namespace dqa {
 namespace {
 
-constexpr int kGrain = 4096;      // entries of a chunk: the unit of ordered sums
+constexpr int kGrain = 1024;      // entries of a chunk: the unit of ordered sums
 constexpr double kUpdate = 1e-2;  // what single precision may gain before it is checked
 constexpr double kTrusted = 0.1;  // of a tolerance: rounding that need not be
 
@@ -66,29 +66,38 @@ int iterate(std::size_t n, double target, int max_iterations, const PcgProducts<
             PcgVectors<T>& v, T* x, bool indefinite, Progress& at) {
     const int size = static_cast<int>(n);
     T *r = v.r.data(), *z = v.z.data(), *p = v.p.data(), *ap = v.ap.data();
-    for (int k = 0; k < max_iterations; ++k) {
-        const auto [rz, apz] = system.precondition(r, at.norm, ap, z);
-        // Flexible beta: z . (r - r_before) with r - r_before = -step A p.
-        const T beta = at.begun ? static_cast<T>(std::max(0.0, -at.step * apz / at.rz)) : T(0);
+    const auto direct = [&](T beta) {
+        if (system.direct) return system.direct(z, beta, p, ap);
         parallel_chunks(threads, size, kGrain, [&](int begin, int end) {
-            if (!at.begun)
+            if (beta == T(0))
                 std::copy(z + begin, z + end, p + begin);
             else
                 for (int i = begin; i < end; ++i) p[i] = z[i] + beta * p[i];
         });
+        return system.apply(p, ap);
+    };
+    const auto descend = [&](T step) {
+        if (system.descend) return system.descend(step, p, ap, x, r, at.norm);
+        return parallel_sum(threads, size, kGrain, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
+            return ordered_dot(r + begin, r + begin, static_cast<std::size_t>(end - begin));
+        });
+    };
+    double norm_before = 0.0;
+    for (int k = 0; k < max_iterations; ++k) {
+        const bool descended = k > 0 && system.descend;
+        const auto [rz, apz] = system.precondition(r, descended ? norm_before : at.norm, descended, ap, z);
+        // Flexible beta: z . (r - r_before) with r - r_before = -step A p.
+        const T beta = at.begun ? static_cast<T>(std::max(0.0, -at.step * apz / at.rz)) : T(0);
         at.rz = rz, at.begun = true;
-        const double curvature = system.apply(p, ap);
+        const double curvature = direct(beta);
         if (!(curvature > 0)) {
             at.negative_curvature = true;
             if (!indefinite || !(curvature < 0)) return k;
         }
         at.step = rz / curvature;
-        const T step = static_cast<T>(at.step);
-        const double rr = parallel_sum(threads, size, kGrain, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
-            return ordered_dot(r + begin, r + begin, static_cast<std::size_t>(end - begin));
-        });
-        at.norm = std::sqrt(rr);
+        norm_before = at.norm;
+        at.norm = std::sqrt(descend(static_cast<T>(at.step)));
         if (at.norm <= target || !std::isfinite(at.norm)) return k + 1;
     }
     return max_iterations;
@@ -133,7 +142,7 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
     PcgVectors<double>& v = ws.exact;
     PcgVectors<float>& s = ws.single;
     v.r.resize(n), v.ap.resize(n);
-    s.x.resize(n), s.r.resize(n), s.z.resize(n), s.p.resize(n + 1), s.ap.assign(n, 0.0f);
+    s.x.resize(n), s.r.resize(n), s.z.resize(n + 1), s.p.resize(n + 1), s.ap.assign(n, 0.0f);
     // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
     const double scale = 1.0 / norm_b;
     parallel_chunks(threads, size, kGrain, [&](int begin, int end) {
@@ -186,7 +195,7 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
                                apply(p, out);
                                return ordered_dot(p, out, n, threads);
                            },
-                           [&](const double* r, double, const double* ap, double* z) -> std::array<double, 2> {
+                           [&](const double* r, double, bool, const double* ap, double* z) -> std::array<double, 2> {
                                precondition(r, z);
                                return {ordered_dot(r, z, n, threads), ordered_dot(ap, z, n, threads)};
                            }};

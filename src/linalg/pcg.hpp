@@ -39,8 +39,15 @@ template <class T>
 struct PcgProducts {
     // out = A p; returns p.out. In single precision p has one number more than the system, whose value does not matter.
     std::function<double(const T* p, T* out)> apply;
-    // z ~ A^-1 r, with |r|; returns r.z and ap.z.
-    std::function<std::array<double, 2>(const T* r, double norm, const T* ap, T* z)> precondition;
+    // z ~ A^-1 r; returns r.z and ap.z. norm: |r| or a number of its size. descended: r and norm are those that
+    // `descend` had last. In single precision z has one number more than the system, whose value does not matter.
+    std::function<std::array<double, 2>(const T* r, double norm, bool descended, const T* ap, T* z)> precondition;
+    // The two updates of the vectors, if who has the products can do them on the way too:
+    // p = z + beta p and ap = A p, also as A z + beta ap (Chronopoulos & Gear 1989); returns p.ap. With beta = 0 the
+    // old values are not read.
+    std::function<double(const T* z, T beta, T* p, T* ap)> direct = nullptr;
+    // x += step p, r -= step ap; returns |r|^2.
+    std::function<double(T step, const T* p, const T* ap, T* x, T* r, double norm)> descend = nullptr;
 };
 using PcgSystem = PcgProducts<double>;
 

@@ -11,7 +11,7 @@
 namespace dqa {
 namespace {
 
-constexpr int kGrain = 128;           // nodes or cells a chunk
+constexpr int kGrain = 64;            // nodes or cells a chunk
 constexpr double kLocalShare = 0.8;   // of the diagonal blocks beside the coarse grids
 constexpr double kFactorShare = 0.5;  // of the coarse grids beside the factor, which knows many smooth modes as well
 
@@ -163,9 +163,8 @@ long Preconditioner::factor_entries() const {
 std::int64_t Preconditioner::bytes() const {
     const bool single = precision_ == Precision::single_precision;
     const std::size_t real = single ? sizeof(float) : sizeof(double), n = nodes_.size();
-    const std::size_t transfer = 2 * transfer_.fine_from.size() * (sizeof(int) + sizeof(float));
     const std::size_t factor = factor_ ? 2 * static_cast<std::size_t>(factor_->entries()) * real : 12 * n * real;
-    return static_cast<std::int64_t>(2 * 12 * n * real + transfer + factor) +
+    return static_cast<std::int64_t>(2 * 12 * n * real + transfer_.bytes() + factor) +
            (single ? single_.coarse->bytes() : double_.coarse->bytes());
 }
 
@@ -210,38 +209,68 @@ void Preconditioner::turn(const double* q, Threads threads, Workspace& ws) const
         turn_with(q, threads, ws, ws.double_precision);
 }
 
+// Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
 template <class Real, class T>
-std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const T* in, double norm, const T* other,
-                                                 T* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const {
-    // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
+void Preconditioner::turn_back(const T* in, double norm, int begin, int end, Scratch<Real>& scratch) {
+    const T scale = static_cast<T>(1.0 / norm);
+    const Real* turns = scratch.turns.data();
+    Real* turned = scratch.turned.data();
+    for (int n = begin; n < end; ++n) {
+        const T* v = in + 3 * n;
+        const Real x = static_cast<Real>(scale * v[0]), y = static_cast<Real>(scale * v[1]),
+                   z = static_cast<Real>(scale * v[2]);
+        const Real* r = turns + 12 * n;
+        for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
+        turned[4 * n + 3] = 0;
+    }
+}
+
+template <class Real, class T>
+double Preconditioner::descend_with(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads,
+                                    Scratch<Real>& scratch) const {
+    scratch.turned.resize(4 * nodes_.size());
+    return parallel_sum(threads, n_nodes(), kGrain, [&](int begin, int end) {
+        for (int i = 3 * begin; i < 3 * end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
+        turn_back(r, norm, begin, end, scratch);
+        return ordered_dot(r + 3 * begin, r + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
+    });
+}
+
+template <class T>
+double Preconditioner::descend(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads,
+                               Workspace& ws) const {
+    return precision_ == Precision::single_precision
+               ? descend_with(step, p, ap, x, r, norm, threads, ws.single_precision)
+               : descend_with(step, p, ap, x, r, norm, threads, ws.double_precision);
+}
+template double Preconditioner::descend(double, const double*, const double*, double*, double*, double, Threads,
+                                        Workspace&) const;
+template double Preconditioner::descend(float, const float*, const float*, float*, float*, double, Threads,
+                                        Workspace&) const;
+
+template <class Real, class T>
+std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const T* in, double norm, bool descended,
+                                                 const T* other, T* out, Threads threads, Workspace& ws,
+                                                 Scratch<Real>& scratch) const {
     if (!(norm > 0) || !std::isfinite(norm)) {
         std::fill(out, out + 3 * nodes_.size(), T(0));
         return {};
     }
-    const T scale = static_cast<T>(1.0 / norm), size = static_cast<T>(norm);
+    const T size = static_cast<T>(norm);
     if constexpr (std::is_same_v<T, double>)
         if (factor_) factor_->solve(in, out, threads, ws.factor);
-    scratch.turned.resize(4 * nodes_.size());
-    const Real* turns = scratch.turns.data();
-    Real* turned = scratch.turned.data();
-    parallel_chunks(threads, n_nodes(), kGrain, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            const T* v = in + 3 * n;
-            const Real x = static_cast<Real>(scale * v[0]), y = static_cast<Real>(scale * v[1]),
-                       z = static_cast<Real>(scale * v[2]);
-            const Real* r = turns + 12 * n;
-            for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
-            turned[4 * n + 3] = 0;
-        }
-    });
+    if (!descended) {
+        scratch.turned.resize(4 * nodes_.size());
+        parallel_chunks(threads, n_nodes(), kGrain,
+                        [&](int begin, int end) { turn_back(in, norm, begin, end, scratch); });
+    }
+    const Real *turns = scratch.turns.data(), *turned = scratch.turned.data();
     const Real* coarse = parts.coarse->solve(transfer_, turned, threads, scratch.coarse);
     const Real share = factor_ ? static_cast<Real>(kFactorShare) : Real(1);
     const Products sums = parallel_total<Products>(threads, n_nodes(), kGrain, [&](int begin, int end) {
         Four<T> with_in = {}, with_other = {};
         for (int n = begin; n < end; ++n) {
-            Four<Real> sum = {};
-            transfer_.add_from_coarse(n, coarse, sum);
-            sum *= share;
+            Four<Real> sum = share * transfer_.interpolated(n, coarse);
             if (!factor_) add_block(parts.local.data() + 12 * n, turned + 4 * n, sum);
             Four<Real> back = {};
             const Real flat[3] = {sum[0], sum[1], sum[2]};
@@ -257,20 +286,20 @@ std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const
     return {sums.with_in, sums.with_other};
 }
 
-std::array<double, 2> Preconditioner::solve(const double* in, double norm, const double* other, double* out,
+template <class T>
+std::array<double, 2> Preconditioner::solve(const T* in, double norm, bool descended, const T* other, T* out,
                                             Threads threads, Workspace& ws) const {
     return precision_ == Precision::single_precision
-               ? solve_with(single_, in, norm, other, out, threads, ws, ws.single_precision)
-               : solve_with(double_, in, norm, other, out, threads, ws, ws.double_precision);
+               ? solve_with(single_, in, norm, descended, other, out, threads, ws, ws.single_precision)
+               : solve_with(double_, in, norm, descended, other, out, threads, ws, ws.double_precision);
 }
-
-std::array<double, 2> Preconditioner::solve(const float* in, double norm, const float* other, float* out,
-                                            Threads threads, Workspace& ws) const {
-    return solve_with(single_, in, norm, other, out, threads, ws, ws.single_precision);
-}
+template std::array<double, 2> Preconditioner::solve(const double*, double, bool, const double*, double*, Threads,
+                                                     Workspace&) const;
+template std::array<double, 2> Preconditioner::solve(const float*, double, bool, const float*, float*, Threads,
+                                                     Workspace&) const;
 
 void Preconditioner::solve(const double* in, double* out, Threads threads, Workspace& ws) const {
-    solve(in, ordered_norm(in, 3 * nodes_.size(), threads), in, out, threads, ws);
+    solve(in, ordered_norm(in, 3 * nodes_.size(), threads), false, in, out, threads, ws);
 }
 
 }  // namespace dqa

@@ -51,11 +51,14 @@ public:
     // Whether there is a solve in single precision: not by the factor.
     bool has_single() const { return precision_ == Precision::single_precision && !factor_; }
     // The same where the norm of `in` is known (any number of its size serves), with in.out and other.out: the inner
-    // products of an iteration, taken on the way.
-    std::array<double, 2> solve(const double* in, double norm, const double* other, double* out, Threads threads,
+    // products of an iteration, taken on the way. descended: `in` and `norm` are the r and norm of the last descend.
+    // For doubles, and for floats if has_single().
+    template <class T>
+    std::array<double, 2> solve(const T* in, double norm, bool descended, const T* other, T* out, Threads threads,
                                 Workspace& ws) const;
-    std::array<double, 2> solve(const float* in, double norm, const float* other, float* out, Threads threads,
-                                Workspace& ws) const;
+    // x += step p, r -= step ap, all [n_nodes][3]; returns |r|^2. Turns r on the way.
+    template <class T>
+    double descend(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads, Workspace& ws) const;
 
     // Of the Cholesky factors that it holds.
     long factor_entries() const;
@@ -73,9 +76,15 @@ private:
                const std::function<void(const double*, double*)>& apply, InstructionSet instructions);
     template <class Real>
     void turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
+    // turned = R^T in / norm at nodes [begin, end)
     template <class Real, class T>
-    std::array<double, 2> solve_with(const Parts<Real>& parts, const T* in, double norm, const T* other, T* out,
-                                     Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
+    static void turn_back(const T* in, double norm, int begin, int end, Scratch<Real>& scratch);
+    template <class Real, class T>
+    std::array<double, 2> solve_with(const Parts<Real>& parts, const T* in, double norm, bool descended, const T* other,
+                                     T* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
+    template <class Real, class T>
+    double descend_with(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads,
+                        Scratch<Real>& scratch) const;
     int n_nodes() const { return static_cast<int>(nodes_.size()); }
 
     Precision precision_;

@@ -69,6 +69,12 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
     for (int k = 0; water && k < water->n_chunks(); ++k) at.emplace_back(water->chunk_node(k), of_body + k);
     std::sort(at.begin(), at.end());
     for (const auto& chunk : at) product_order_.push_back(chunk.second);
+    // Within a thread's share the dear ones first (tissue, then muscles, then faces): the cheap ones even out the end.
+    const std::size_t share =
+        (product_order_.size() + static_cast<std::size_t>(crew_) - 1) / static_cast<std::size_t>(crew_);
+    for (std::size_t first = 0; first < product_order_.size(); first += share)
+        std::sort(product_order_.begin() + static_cast<std::ptrdiff_t>(first),
+                  product_order_.begin() + static_cast<std::ptrdiff_t>(std::min(first + share, product_order_.size())));
 }
 
 void Stepper::begin(const State& now, const StepInput& input) {
@@ -163,12 +169,17 @@ void Stepper::precondition(const double* in, double* out) {
 
 template <class T>
 PcgProducts<T> Stepper::system() {
+    // r, p and ap are zero on the constrained coordinates.
     return {[this](const T* p, T* out) { return apply_hessian(p, out); },
-            [this](const T* r, double norm, const T* ap, T* z) {
-                // r and ap are zero on the constrained coordinates.
-                const auto products = design_->preconditioner().solve(r, norm, ap, z, threads_, preconditioner_);
+            [this](const T* r, double norm, bool descended, const T* ap, T* z) {
+                const auto products =
+                    design_->preconditioner().solve(r, norm, descended, ap, z, threads_, preconditioner_);
                 mask(z);
                 return products;
+            },
+            [this](const T* z, T beta, T* p, T* ap) { return direct(z, beta, p, ap); },
+            [this](T step, const T* p, const T* ap, T* x, T* r, double norm) {
+                return design_->preconditioner().descend(step, p, ap, x, r, norm, threads_, preconditioner_);
             }};
 }
 
@@ -181,32 +192,62 @@ PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, b
                      krylov_, indefinite);
 }
 
-// In two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
+// Products come in two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
 template <class T>
-double Stepper::full_product(const T* p, T* out) {
-    const double inv_h2 = 1.0 / (beta_ * beta_);
+void Stepper::element_products(const T* p) {
     const Body& body = design_->body();
-    const Water* water = design_->water();
     const int of_body = body.n_chunks();
     parallel_chunks(threads_, static_cast<int>(product_order_.size()), 1, [&](int place, int) {
         const int k = product_order_[static_cast<std::size_t>(place)];
         if (k < of_body)
             body.product_chunk(body_, p, k);
         else
-            water->product_chunk(water_, p, beta_, k - of_body);
+            design_->water()->product_chunk(water_, p, beta_, k - of_body);
     });
+}
+
+template <class T>
+void Stepper::add_element_products(int begin, int end, T* out) const {
+    design_->body().add_forces(body_, begin, end, out);
+    if (const Water* water = design_->water()) water->add_product(water_, begin, end, out);
+}
+
+template <class T>
+double Stepper::full_product(const T* p, T* out) {
+    element_products(p);
+    const double inv_h2 = 1.0 / (beta_ * beta_);
     const double* mass = design_->mass().data();
     return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         for (int n = begin; n < end; ++n) {
             const T inertia = static_cast<T>(mass[n] * inv_h2);
             for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = inertia * p[i];
         }
-        body.add_forces(body_, begin, end, out);
-        if (water) water->add_product(water_, begin, end, out);
+        add_element_products(begin, end, out);
         return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
 }
 template double Stepper::full_product(const double*, double*);
+
+template <class T>
+double Stepper::direct(const T* z, T beta, T* p, T* ap) {
+    element_products(z);
+    const double inv_h2 = 1.0 / (beta_ * beta_);
+    const double* mass = design_->mass().data();
+    const bool all_free = free_coordinate_.empty(), first = beta == T(0);
+    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        const int from = 3 * begin, to = 3 * end;
+        if (first) std::fill(p + from, p + to, T(0)), std::fill(ap + from, ap + to, T(0));
+        for (int n = begin; n < end; ++n) {
+            const T inertia = static_cast<T>(mass[n] * inv_h2);
+            for (int i = 3 * n; i < 3 * n + 3; ++i) ap[i] = beta * ap[i] + inertia * z[i];
+        }
+        add_element_products(begin, end, ap);
+        for (int i = from; !all_free && i < to; ++i)
+            ap[i] *= static_cast<T>(free_coordinate_[static_cast<std::size_t>(i)]);
+        for (int i = from; i < to; ++i) p[i] = z[i] + beta * p[i];
+        return ordered_dot(p + from, ap + from, static_cast<std::size_t>(to - from));
+    });
+}
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
 // yield all of it, from the same kernel that the iterative solver uses.

@@ -94,6 +94,12 @@ private:
     double apply_hessian(const T* p, T* out);  // of the free coordinates, the identity on the others; p.out
     template <class T>
     double full_product(const T* p, T* out);  // of all coordinates; p.out
+    template <class T>
+    void element_products(const T* p);
+    template <class T>
+    void add_element_products(int begin, int end, T* out) const;  // at nodes [begin, end)
+    template <class T>
+    double direct(const T* z, T beta, T* p, T* ap);  // PcgProducts::direct
     void precondition(const double* in, double* out);
     template <class T>
     PcgProducts<T> system();  // of both

@@ -13,7 +13,8 @@
 //   factor      preconditioner by the packed factor and coarse grids
 //   vectors     what conjugate gradients do besides
 //   forces      energy and forces of the body with their linearisation
-// `iteration` is body, water, multilevel and vectors together. Solves iterate in single precision, and check themselves
+// `iteration` is body, water, multilevel and vectors together, one after the other; steps update their vectors on the
+// way of the other loops, so that their iterations take less. Solves iterate in single precision, and check themselves
 // in double precision.
 #include <algorithm>
 #include <cmath>
@@ -131,7 +132,7 @@ private:
             dqa::Preconditioner::Workspace ws;
             preconditioner.turn(q, threads, ws);
             part(factor ? "factor" : "multilevel", static_cast<double>(preconditioner.bytes()) + 3 * field, !factor,
-                 [&] { preconditioner.solve(p.data(), 1.0, other.data(), out.data(), threads, ws); });
+                 [&] { preconditioner.solve(p.data(), 1.0, false, other.data(), out.data(), threads, ws); });
         }
         // Stand-ins that cost nothing; the residual alternates, so that all iterations are done.
         constexpr int kIterations = 20;
@@ -154,7 +155,7 @@ private:
     template <class T>
     static dqa::PcgProducts<T> idle() {
         return {[](const T*, T*) { return 1.0; },
-                [](const T*, double, const T*, T*) {
+                [](const T*, double, bool, const T*, T*) {
                     return std::array<double, 2>{1.0, -1.0};
                 }};
     }

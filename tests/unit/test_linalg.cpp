@@ -179,12 +179,23 @@ void test_packed_solve() {
         const double xy = dot_of(out, y), yx = dot_of(other, b);
         NEAR(xy, yx, 1e-5 * norm_of(out) * norm_of(y));
         CHECK(dot_of(other, y) > 0);
-        // One right-hand side alone.
+        // One right-hand side alone, its unknowns in blocks of three.
         for (std::size_t k = 0; k < 3; ++k) {
-            Vector one, expected;
-            for (std::size_t i = k; i < n; i += 3) one.push_back(b[i]), expected.push_back(x[i]);
-            packed.solve(one.data(), one.data(), 1, ws, 1);
-            NEAR(relative_difference(one, expected), 0.0, 1e-5);
+            const std::size_t blocks = n / 9;
+            std::vector<float> one(4 * blocks, 7.0f);
+            const PackedFactor::ReadBlocks<float> read = [&](const int* listed, int count, float* values) {
+                for (int l = 0; l < count; ++l)
+                    for (int a = 0; a < 3; ++a)
+                        values[4 * l + a] = static_cast<float>(b[static_cast<std::size_t>(9 * listed[l] + 3 * a) + k]);
+            };
+            for (const int threads : {1, 3}) {
+                packed.solve(read, one.data(), threads, ws);
+                Vector got, expected;
+                for (std::size_t i = 0; i < n / 3; ++i)
+                    got.push_back(static_cast<double>(one[i / 3 * 4 + i % 3])), expected.push_back(x[3 * i + k]);
+                NEAR(relative_difference(got, expected), 0.0, 1e-5);
+            }
+            for (std::size_t i = 0; i < blocks; ++i) CHECK(one[4 * i + 3] == 7.0f);
         }
         // In place, and whatever the units.
         for (const double scale : {1.0, 1e-60, 1e60}) {
@@ -264,6 +275,7 @@ struct MixedTrial {
     Vector diagonal;
     float error = 0.0f;
     double rounding = 0.0;  // as it is told to the solver
+    bool updates = false;   // the system updates the vectors itself
     int singles = 0, doubles = 0;
     PcgWorkspace ws;
 
@@ -279,21 +291,41 @@ struct MixedTrial {
 private:
     template <class T>
     PcgProducts<T> products(int& count, T wrong) {
-        return {[this, &count, wrong](const T* p, T* out) {
-                    ++count;
-                    for (std::size_t i = 0; i < diagonal.size(); ++i)
-                        out[i] = static_cast<T>(diagonal[i]) * p[i] * (1 + (i % 2 ? wrong : -wrong));
-                    return ordered_dot(p, out, diagonal.size());
-                },
-                [this](const T* r, double, const T* ap, T* z) -> std::array<double, 2> {
-                    std::copy(r, r + diagonal.size(), z);
-                    return {ordered_dot(r, z, diagonal.size()), ordered_dot(ap, z, diagonal.size())};
-                }};
+        const auto apply = [this, &count, wrong](const T* p, T* out) {
+            ++count;
+            for (std::size_t i = 0; i < diagonal.size(); ++i)
+                out[i] = static_cast<T>(diagonal[i]) * p[i] * (1 + (i % 2 ? wrong : -wrong));
+            return ordered_dot(p, out, diagonal.size());
+        };
+        const auto precondition = [this](const T* r, double norm, bool descended, const T* ap,
+                                         T* z) -> std::array<double, 2> {
+            CHECK(!descended || norm == norm_of_descend);
+            std::copy(r, r + diagonal.size(), z);
+            return {ordered_dot(r, z, diagonal.size()), ordered_dot(ap, z, diagonal.size())};
+        };
+        if (!updates) return {apply, precondition};
+        const auto direct = [this, apply](const T* z, T beta, T* p, T* ap) {
+            std::vector<T> product(diagonal.size());
+            apply(z, product.data());
+            for (std::size_t i = 0; i < diagonal.size(); ++i) {
+                p[i] = beta == T(0) ? z[i] : z[i] + beta * p[i];
+                ap[i] = beta == T(0) ? product[i] : product[i] + beta * ap[i];
+            }
+            return ordered_dot(p, ap, diagonal.size());
+        };
+        const auto descend = [this](T step, const T* p, const T* ap, T* x, T* r, double norm) {
+            norm_of_descend = norm;
+            for (std::size_t i = 0; i < diagonal.size(); ++i) x[i] += step * p[i], r[i] -= step * ap[i];
+            return ordered_dot(r, r, diagonal.size());
+        };
+        return {apply, precondition, direct, descend};
     }
+    double norm_of_descend = 0.0;
 };
 
-void test_mixed_pcg() {
+void mixed_pcg_gains_digits(bool updates) {
     MixedTrial trial;
+    trial.updates = updates;
     Random random{9};
     for (int i = 0; i < 60; ++i) trial.diagonal.push_back(std::pow(10.0, between(random, -2, 0)));
     const Vector b = random_vector(60, random, 1e-30);  // its squares are below the least float
@@ -331,8 +363,9 @@ void test_mixed_pcg() {
 }
 
 // What is no minimum, not finite or nothing at all ends as in double precision.
-void test_mixed_pcg_special_cases() {
+void mixed_pcg_special_cases(bool updates) {
     MixedTrial trial;
+    trial.updates = updates;
     trial.rounding = 1.0;
     Vector b = {1, 2, 3, 4}, x;
     trial.diagonal = {1, 2, -30, 4};
@@ -402,6 +435,13 @@ void test_direct_solvers() {
     CHECK(!solve_positive(dense({{1, 1}, {1, 1}}), y));
     y = {1.0, 3.0};
     CHECK(!solve_indefinite(dense({{1, 1}, {1, 1}}), y));
+}
+
+void test_mixed_pcg() {
+    for (const bool updates : {false, true}) mixed_pcg_gains_digits(updates);
+}
+void test_mixed_pcg_special_cases() {
+    for (const bool updates : {false, true}) mixed_pcg_special_cases(updates);
 }
 
 }  // namespace

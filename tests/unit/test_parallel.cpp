@@ -20,6 +20,23 @@ void test_every_chunk_once() {
         }
 }
 
+// Loops of all lengths one after the other by more threads than there are cores, so that many come late for a loop; and
+// more chunks than a share's number holds.
+void test_many_loops() {
+    for (const int threads : {2, 3, 8})
+        with_crew(threads, [&](Threads t) {
+            for (int round = 0; round < 3000; ++round) {
+                const int n = 1 + round % 40;
+                std::vector<int> seen(static_cast<std::size_t>(n), 0);
+                parallel_chunks(t, n, 1, [&](int k, int) { ++seen[static_cast<std::size_t>(k)]; });
+                CHECK(std::all_of(seen.begin(), seen.end(), [](int k) { return k == 1; }));
+            }
+            std::vector<int> seen(200001, 0);
+            parallel_chunks(t, 200001, 1, [&](int k, int) { ++seen[static_cast<std::size_t>(k)]; });
+            CHECK(std::all_of(seen.begin(), seen.end(), [](int k) { return k == 1; }));
+        });
+}
+
 void test_ordered_sum() {
     Random random{1};
     Vector terms(5000);
@@ -79,10 +96,8 @@ void test_exceptions() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_every_chunk_once),
-        TEST(test_ordered_sum),
-        TEST(test_short_crews),
-        TEST(test_exceptions),
+        TEST(test_every_chunk_once), TEST(test_many_loops), TEST(test_ordered_sum),
+        TEST(test_short_crews),      TEST(test_exceptions),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }
