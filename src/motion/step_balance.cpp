@@ -11,7 +11,8 @@
 namespace dqa {
 namespace {
 
-constexpr double kBalance = 10.0;         // tolerances of the way moved that a step leaves free in rigid motion
+constexpr double kRounding = 0.1;         // of the forces' rounding that is left in their sum over the body, at most
+constexpr double kBalance = 1.0;          // tolerances of the way moved that a step leaves free in rigid motion
 constexpr double kAdjointBalance = 1e-2;  // adjoint tolerances of lambda that its rigid motion may be off
 
 // Sums weighted by mass: of the squared way moved, and of the squared places.
@@ -42,10 +43,10 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
             }
             return own;
         });
-        // Rounding of forces adds up over the lever.
+        // Rounding of forces adds up over the lever, most of it to nothing: signs are mixed.
         const double allowed = kBalance * scene_.tolerance * std::sqrt(e.way2) +
                                std::numeric_limits<double>::epsilon() * std::sqrt(e.places2) +
-                               b2 * noise_ * whole.lever(threads_);
+                               kRounding * b2 * noise_ * whole.lever(threads_);
         const std::vector<double> sums = whole.sums(gradient_.data(), threads_);
         const double free = b2 * ordered_norm(sums.data(), sums.size());
         if (free <= allowed) return true;

@@ -16,6 +16,7 @@ constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kShort = 0.1;        // of Newton's step: less of it is a short step,
 constexpr int kShortSteps = 3;        // and this many say that the energy's valley is curved
 constexpr double kReach = 10.0;       // tolerances: what a linear solve leaves of them may make it the last one
+constexpr double kLast = 0.03;        // tolerances that the last one leaves: gradients lose a thousandfold of them
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
 // Largest distance along an axis from the first node, or one that is larger than `enough`.
@@ -428,7 +429,7 @@ double Stepper::forcing(const Evaluation& now) const {
     const double enough = target(now);
     if (now.residual <= enough) return 0.01;  // it is the body as a whole that is not in balance
     const double usual = std::min(0.1, std::sqrt(now.residual / now.scale));
-    return usual * now.residual <= kReach * enough ? 0.1 * enough / now.residual : usual;
+    return usual * now.residual <= kReach * enough ? kLast * enough / now.residual : usual;
 }
 
 void Stepper::check_cancelled(long step) const {

@@ -53,18 +53,18 @@ struct Counter {
     int all() const { return iterations + linear; }
 };
 
-// Iterates for one width of the kernel and one of its forms.
+// Iterates for one width of the kernel; bases for which its linear form underflows go over to the logarithmic one.
 class Solver {
 public:
     // counter: iterations so far, over all widths.
     Solver(const GaussianKernel& kernel, const Densities& bases, const std::vector<double>& weights,
-           const BarycenterSettings& settings, bool logarithmic, Counter& counter)
+           const BarycenterSettings& settings, Counter& counter)
         : settings_(settings),
           weights_(weights),
           parts_(parts_of(weights)),
           m_(bases.size()),
           n_(static_cast<std::size_t>(kernel.size())),
-          transport_(kernel, bases, logarithmic, settings.threads),
+          transport_(kernel, bases, std::vector<char>(m_, settings.force_log), settings.threads),
           kernels_(barycenter_kernels(InstructionSet::automatic)),
           counter_(counter),
           kv_(m_ * n_),
@@ -74,8 +74,7 @@ public:
           log_p_(n_),
           p_(n_) {}
 
-    // From x to a marginal error within the tolerance. False if the linear form underflowed where it matters, or if
-    // `limit` iterations of this width are spent.
+    // From x to a marginal error within the tolerance. False if `limit` iterations of this width are spent.
     bool run(std::vector<double>& x, double tolerance, int limit) {
         const double infinity = std::numeric_limits<double>::infinity();
         std::vector<double> best_x;
@@ -91,8 +90,12 @@ public:
             const Outcome outcome = evaluate(x);
             // Where a step of Newton's went too far, the form of the kernel is not to blame.
             const bool stray = newton && outcome != Outcome::fine;
-            if (outcome == Outcome::underflow && !stray) return false;
             tick(counter_.iterations);
+            if (outcome == Outcome::underflow && !stray) {
+                use_logarithms(x);
+                best = before = infinity, anderson.restart();
+                continue;
+            }
             if (outcome != Outcome::fine) {
                 if (best_x.empty()) fail(Status::NOT_CONVERGED, "barycentre: the iteration became non-finite at once");
                 x = best_x, best = infinity, anderson.restart(), newton = false;
@@ -140,8 +143,12 @@ public:
         out.p = p_, out.log_d = log_d_, out.log_v = x, out.log_kv = kv_;
         out.logarithmic = transport_.logarithmic();
         out.iterations = counter_.iterations, out.linear_iterations = counter_.linear, out.marginal_error = error_;
-        if (!out.logarithmic)
-            for (std::size_t k = 0; k < kv_.size(); ++k) out.log_kv[k] = kv_[k] > 0 ? std::log(kv_[k]) : 0.0;
+        for (std::size_t k = 0; k < kv_.size(); ++k)
+            if (!transport_.logarithmic(k / n_)) out.log_kv[k] = kv_[k] > 0 ? std::log(kv_[k]) : 0.0;
+    }
+    std::size_t n_logarithmic() const {
+        const auto& forms = transport_.logarithmic();
+        return static_cast<std::size_t>(std::count(forms.begin(), forms.end(), 1));
     }
 
 private:
@@ -154,10 +161,25 @@ private:
 
     // v = p / d, where d is floored, is no larger; beyond that it would overflow.
     void limit(std::vector<double>& x) const {
-        parallel_chunks(transport_.threads(), static_cast<int>(x.size()), 1 << 14, [&](int begin, int end) {
-            for (std::size_t k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-                x[k] = x[k] < -kLogFloor ? x[k] : -kLogFloor;
-        });
+        for (std::size_t i = 0; i < m_; ++i) {
+            if (transport_.logarithmic(i)) continue;
+            double* of_base = x.data() + i * n_;
+            parallel_chunks(transport_.threads(), static_cast<int>(n_), 1 << 14, [&](int begin, int end) {
+                for (int c = begin; c < end; ++c) of_base[c] = of_base[c] < -kLogFloor ? of_base[c] : -kLogFloor;
+            });
+        }
+    }
+
+    // Takes the base that underflowed worst over to the logarithmic form, or all where nothing else was left of p. The
+    // others may have followed it: they are looked at anew, from the x that was not limited.
+    void use_logarithms(std::vector<double>& x) {
+        const std::size_t worst =
+            static_cast<std::size_t>(std::max_element(floored_.begin(), floored_.end()) - floored_.begin());
+        for (std::size_t i = 0; i < m_; ++i)
+            if (i == worst || !(floored_[worst] > 0)) transport_.make_logarithmic(i);
+        if (!unlimited_.empty()) x = unlimited_;
+        log_message(LogLevel::debug, "barycentre: the linear kernel underflows; logarithmic for %zu of %zu bases",
+                    n_logarithmic(), m_);
     }
 
     std::vector<double> relative_p() const {
@@ -168,13 +190,14 @@ private:
 
     // One iteration from x: w, d, p, f = T(x) - x and the marginal error.
     Outcome evaluate(std::vector<double>& x) {
-        const bool linear = !transport_.logarithmic();
-        if (linear) limit(x);
+        unlimited_.clear();
+        if (std::any_of(x.begin(), x.end(), [](double value) { return value > -kLogFloor; })) unlimited_ = x;
+        limit(x);
         transport_.sweep(x.data(), kv_.data(), w_.data(), log_d_.data(), kFloor);
         constexpr int grain = 1024;
         const int chunks = (static_cast<int>(n_) + grain - 1) / grain;
         std::vector<double> peak(static_cast<std::size_t>(chunks)), part(static_cast<std::size_t>(chunks) * m_);
-        std::vector<double> at_floor(peak.size(), 0.0);  // what p has in cells with a floored d
+        std::vector<double> at_floor(part.size(), 0.0);  // what p has in cells where d_i is floored
         parallel_chunks(transport_.threads(), static_cast<int>(n_), grain, [&](int begin, int end) {
             const std::size_t first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
             double* log_p = log_p_.data() + first;
@@ -186,7 +209,6 @@ private:
             double largest = -std::numeric_limits<double>::infinity(), sum[grain];
             for (std::size_t c = 0; c < count; ++c) largest = log_p[c] > largest ? log_p[c] : largest;
             peak[first / grain] = largest;
-            double& floored = at_floor[first / grain];
             for (std::size_t i = 0; i < m_; ++i) {
                 const std::size_t at = i * n_ + first;
                 double lowest = 0.0;
@@ -196,7 +218,8 @@ private:
                     lowest = log_d_[at + c] < lowest ? log_d_[at + c] : lowest;
                 }
                 kernels_.exp(sum, sum, end - begin);
-                for (std::size_t c = 0; lowest <= kLogFloor && c < count; ++c)
+                double& floored = at_floor[first / grain * m_ + i];
+                for (std::size_t c = 0; lowest <= kLogFloor && !transport_.logarithmic(i) && c < count; ++c)
                     if (log_d_[at + c] <= kLogFloor) floored += p_[first + c];
                 double e = 0.0;
                 for (std::size_t c = 0; c < count; ++c) e += std::fabs(sum[c] - p_[first + c]);
@@ -205,21 +228,27 @@ private:
         });
         log_peak_ = *std::max_element(peak.begin(), peak.end());
         error_ = 0.0;
-        bool finite = std::isfinite(log_peak_);
+        const bool all_finite = std::isfinite(log_peak_);
+        bool finite = all_finite;
         for (std::size_t i = 0; i < m_; ++i) {
             double e = 0.0;
             for (std::size_t k = 0; k < static_cast<std::size_t>(chunks); ++k) e += part[k * m_ + i];
+            floored_[i] = all_finite && !std::isfinite(e) && !transport_.logarithmic(i) ? 1.0 : 0.0;
             finite = finite && std::isfinite(e);
             error_ = std::max(error_, e);
         }
         // The first p of supports far apart is below the smallest double everywhere; only its logarithm counts then.
-        if (linear && (!finite || !(std::exp(log_peak_) > 0))) return Outcome::underflow;
+        if (n_logarithmic() < m_ && (!finite || !(std::exp(log_peak_) > 0))) return Outcome::underflow;
         if (!finite) return Outcome::not_finite;
-        double floored = 0.0, mass = 0.0;
-        for (const double q : at_floor) floored += q;
+        double mass = 0.0;
         for (const double q : p_) mass += q;
-        if (linear && floored > kNegligible * mass) return Outcome::underflow;
-        return Outcome::fine;
+        bool underflow = false;
+        for (std::size_t i = 0; i < m_; ++i) {
+            floored_[i] = 0.0;
+            for (std::size_t k = 0; k < peak.size(); ++k) floored_[i] += at_floor[k * m_ + i];
+            underflow = underflow || floored_[i] > kNegligible / static_cast<double>(m_) * mass;
+        }
+        return underflow ? Outcome::underflow : Outcome::fine;
     }
 
     // x += (I - P J)^-1 f. The residual that conjugate gradients leave is added too: a step of the iteration, which
@@ -228,7 +257,7 @@ private:
         // J at v = p / d with the w of this d is self-adjoint under p.
         std::vector<double> y(x), kv(m_ * n_), w(m_ * n_), log_d(m_ * n_);
         for (std::size_t k = 0; k < y.size(); ++k) y[k] += f_[k];
-        if (!transport_.logarithmic()) limit(y);
+        limit(y);
         transport_.sweep(y.data(), kv.data(), w.data(), log_d.data(), kFloor);
         tick(counter_.iterations);
         const Jacobian jacobian(transport_, y.data(), kv.data(), w_.data(), log_d_.data());
@@ -287,6 +316,8 @@ private:
     const BarycenterKernels& kernels_;
     Counter& counter_;
     std::vector<double> kv_, w_, log_d_, f_, log_p_, p_;
+    std::vector<double> floored_ = std::vector<double>(m_, 0.0);  // [m], what p has in cells where d_i is floored
+    std::vector<double> unlimited_;                               // x of the last evaluation, if it was limited
     std::optional<CoarseCorrection> correction_;
     double error_built_ = 0.0;
     double log_peak_ = 0.0, error_ = std::numeric_limits<double>::infinity();
@@ -306,25 +337,18 @@ Barycenter solve_barycenter(const GaussianKernel& kernel, const std::vector<std:
         for (int level = s.window > 0 ? kWider : 0; level > 0; --level) {
             const GaussianKernel wide(kernel.cells(), kernel.sigma() * std::pow(narrowing, -level));
             const std::vector<double> start = x;
-            Solver solver(wide, bases, weights, s, s.force_log, counter);
+            Solver solver(wide, bases, weights, s, counter);
             if (!solver.run(x, std::max(kStartTolerance, s.tolerance), kStartIterations)) x = start;
             if (counter.all() >= s.max_iterations) solver.not_converged();
             for (double& value : x) value *= 2.0;  // sigma^2 x is kept
         }
-        const std::vector<double> start = x;
-        for (const bool logarithmic : {false, true}) {
-            if (s.force_log && !logarithmic) continue;
-            Solver solver(kernel, bases, weights, s, logarithmic, counter);
-            if (solver.run(x, s.tolerance, s.max_iterations)) {
-                solver.write(x, solution);
-                log_message(LogLevel::debug, "barycentre: %d iterations to a marginal error of %.2g%s", counter.all(),
-                            solution.marginal_error, logarithmic ? " (logarithmic kernel)" : "");
-                return;
-            }
-            if (logarithmic || counter.all() >= s.max_iterations) solver.not_converged();
-            log_message(LogLevel::info, "barycentre: the linear kernel underflows here; logarithmic kernel used");
-            x = start;
-        }
+        Solver solver(kernel, bases, weights, s, counter);
+        if (!solver.run(x, s.tolerance, s.max_iterations)) solver.not_converged();
+        solver.write(x, solution);
+        log_message(
+            LogLevel::debug,
+            "barycentre: %d iterations to a marginal error of %.2g, the logarithmic kernel for %zu of %zu bases",
+            counter.all(), solution.marginal_error, solver.n_logarithmic(), bases.size());
     });
     return solution;
 }
@@ -349,10 +373,10 @@ static std::vector<double> pull_back(const GaussianKernel& kernel, const std::ve
         for (std::size_t c = 0; c < n; ++c) {
             const std::size_t k = i * n + c;
             x[k] = log_p[c] - s.log_d[k];
-            if (!s.logarithmic) x[k] = std::min(x[k], -kLogFloor);
+            if (!s.logarithmic[i]) x[k] = std::min(x[k], -kLogFloor);
             const double log_w =
                 bases[i][c] > 0 ? std::log(bases[i][c]) - s.log_kv[k] : -std::numeric_limits<double>::infinity();
-            w[k] = s.logarithmic ? log_w : std::exp(log_w);
+            w[k] = s.logarithmic[i] ? log_w : std::exp(log_w);
         }
     transport.sweep(x.data(), kv.data(), new_w.data(), new_log_d.data(), kFloor);
     const Jacobian jacobian(transport, x.data(), kv.data(), w.data(), s.log_d.data());

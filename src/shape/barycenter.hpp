@@ -26,21 +26,21 @@ struct BarycenterSettings {
     int max_iterations = 5000;  // of both kinds together
     int window = 15;            // of Anderson's acceleration, where it is used; 0: nothing but the plain iteration
     Threads threads{1};
-    bool force_log = false;  // always the logarithmic kernel (it otherwise takes over where the linear underflows)
+    bool force_log = false;  // always the logarithmic kernel (else where the linear one underflows, base by base)
     // Counts both kinds; may throw to cancel.
     std::function<void(int iteration, double error)> monitor;
 };
 
 struct Barycenter {
     int m = 0, n = 0;
-    std::vector<double> weights;  // alpha
-    std::vector<double> p;        // [n], sums to 1 within the marginal error
-    std::vector<double> log_d;    // [m][n]
-    std::vector<double> log_v;    // [m][n]
-    std::vector<double> log_kv;   // [m][n]; where base i has cells next to each other, see transport.hpp; else 0
-    bool logarithmic = false;     // which kernel form was used
-    int iterations = 0;           // evaluations of T, over all widths of the kernel
-    int linear_iterations = 0;    // of conjugate gradients: as much work as an evaluation, or less
+    std::vector<double> weights;    // alpha
+    std::vector<double> p;          // [n], sums to 1 within the marginal error
+    std::vector<double> log_d;      // [m][n]
+    std::vector<double> log_v;      // [m][n]
+    std::vector<double> log_kv;     // [m][n]; where base i has cells next to each other, see transport.hpp; else 0
+    std::vector<char> logarithmic;  // [m]: bases that needed that form of the kernel
+    int iterations = 0;             // evaluations of T, over all widths of the kernel
+    int linear_iterations = 0;      // of conjugate gradients: as much work as an evaluation, or less
     double marginal_error = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace dqa {
 namespace {
@@ -13,10 +14,11 @@ constexpr int kGrain = 4096;
 
 }  // namespace
 
-Transport::Transport(const GaussianKernel& kernel, const Densities& bases, bool logarithmic, Threads threads)
+Transport::Transport(const GaussianKernel& kernel, const Densities& bases, std::vector<char> logarithmic,
+                     Threads threads)
     : kernel_(kernel),
       bases_(bases),
-      logarithmic_(logarithmic),
+      logarithmic_(std::move(logarithmic)),
       threads_(threads),
       n_(static_cast<std::size_t>(kernel.size())),
       kernels_(barycenter_kernels(InstructionSet::automatic)),
@@ -48,21 +50,20 @@ bool Transport::covers(std::size_t i, std::size_t c) const {
     return y >= rows_[i][2 * static_cast<std::size_t>(x)] && y < rows_[i][2 * static_cast<std::size_t>(x) + 1];
 }
 
-// forward(k, plane scratch a, c0, c1, scratch), slab(k, x, a, scratch), backward(k, a, c0, c1, scratch) for k < count.
 // One thread takes base after base, whose arrays then stay in its cache; more of them share each of the three passes.
 template <class Forward, class Slab, class Backward>
-void Transport::run(std::size_t count, Forward&& forward, Slab&& slab, Backward&& backward) const {
+void Transport::run(const std::vector<std::size_t>& listed, Forward&& forward, Slab&& slab, Backward&& backward) const {
     const auto [nx, ny, nz] = kernel_.cells();
     const int plane = ny * nz, blocks = (plane + kColumnBlock - 1) / kColumnBlock;
     const std::size_t scratch_size = static_cast<std::size_t>(std::max(2 * nx * kColumnBlock, 3 * ny * padded_z(nz)));
-    const std::size_t together = threads_.count > 1 ? count : 1;
-    for (std::size_t k0 = 0; k0 < count; k0 += together) {
+    const std::size_t together = threads_.count > 1 ? listed.size() : 1;
+    for (std::size_t k0 = 0; k0 < listed.size(); k0 += together) {
         const auto pass = [&](int pieces, auto&& f) {
             parallel_chunks(threads_, static_cast<int>(together) * pieces, 1, [&](int begin, int end) {
                 const auto scratch = std::make_unique_for_overwrite<double[]>(scratch_size);
                 for (int piece = begin; piece < end; ++piece) {
                     const std::size_t k = static_cast<std::size_t>(piece / pieces);
-                    f(k0 + k, planes_.get() + k * n_, piece % pieces, scratch.get());
+                    f(listed[k0 + k], planes_.get() + k * n_, piece % pieces, scratch.get());
                 }
             });
         };
@@ -82,21 +83,23 @@ void Transport::run(std::size_t count, Forward&& forward, Slab&& slab, Backward&
 }
 
 void Transport::sweep(const double* x, double* kv, double* w, double* log_d, double floor) const {
-    if (logarithmic_) {
-        for (std::size_t i = 0; i < bases_.size(); ++i) {
-            const std::size_t at = i * n_;
-            kernel_.apply_log(x + at, kv + at, nullptr, threads_);
-            for (std::size_t c = 0; c < n_; ++c)
-                w[at + c] =
-                    bases_[i][c] > 0 ? std::log(bases_[i][c]) - kv[at + c] : -std::numeric_limits<double>::infinity();
-            kernel_.apply_log(w + at, log_d + at, nullptr, threads_);
+    std::vector<std::size_t> linear;
+    for (std::size_t i = 0; i < bases_.size(); ++i) {
+        if (!logarithmic(i)) {
+            linear.push_back(i);
+            continue;
         }
-        return;
+        const std::size_t at = i * n_;
+        kernel_.apply_log(x + at, kv + at, nullptr, threads_);
+        for (std::size_t c = 0; c < n_; ++c)
+            w[at + c] =
+                bases_[i][c] > 0 ? std::log(bases_[i][c]) - kv[at + c] : -std::numeric_limits<double>::infinity();
+        kernel_.apply_log(w + at, log_d + at, nullptr, threads_);
     }
     const GaussianGrid grid = kernel_.grid();
     const std::size_t plane = static_cast<std::size_t>(grid.cells[1]) * static_cast<std::size_t>(grid.cells[2]);
     run(
-        bases_.size(),
+        linear,
         [&](std::size_t i, double* a, int c0, int c1, double* scratch) {
             kernels_.forward_columns(grid, covers_[i], x + i * n_, nullptr, a, c0, c1, scratch);
         },
@@ -114,24 +117,28 @@ void Transport::sweep(const double* x, double* kv, double* w, double* log_d, dou
 Jacobian::Jacobian(const Transport& transport, const double* x, const double* kv, const double* w, const double* log_d)
     : t_(transport) {
     const std::size_t n = t_.n_, size = t_.bases() * n;
-    v_.resize(size), w_.resize(size);
-    if (t_.logarithmic_) {
-        std::copy(x, x + size, v_.begin());
-        for (std::size_t k = 0; k < size; ++k) w_[k] = w[k];
-        return;
+    v_.resize(size), w_.resize(size), ratio_.resize(size), inv_d_.resize(size);
+    for (std::size_t i = 0; i < t_.bases(); ++i) {
+        const std::size_t first = i * n;
+        if (t_.logarithmic(i)) {
+            std::copy_n(x + first, n, v_.data() + first);
+            std::copy_n(w + first, n, w_.data() + first);
+            continue;
+        }
+        parallel_chunks(t_.threads_, static_cast<int>(n), kGrain, [&](int begin, int end) {
+            const std::size_t at = first + static_cast<std::size_t>(begin);
+            const int count = end - begin;
+            t_.kernels_.exp(x + at, v_.data() + at, count);
+            double minus[kGrain];
+            for (int k = 0; k < count; ++k) minus[k] = -log_d[at + static_cast<std::size_t>(k)];
+            t_.kernels_.exp(minus, inv_d_.data() + at, count);
+        });
     }
-    ratio_.resize(size), inv_d_.resize(size);
-    parallel_chunks(t_.threads_, static_cast<int>(size), kGrain, [&](int begin, int end) {
-        const int count = end - begin;
-        t_.kernels_.exp(x + begin, v_.data() + begin, count);
-        double minus[kGrain];
-        for (int k = 0; k < count; ++k) minus[k] = -log_d[begin + k];
-        t_.kernels_.exp(minus, inv_d_.data() + begin, count);
-    });
     const auto [nx, ny, nz] = t_.kernel_.cells();
     parallel_chunks(t_.threads_, static_cast<int>(t_.bases()) * nx, 1, [&](int begin, int end) {
         for (int slab = begin; slab < end; ++slab) {
             const std::size_t i = static_cast<std::size_t>(slab / nx), s = static_cast<std::size_t>(slab % nx);
+            if (t_.logarithmic(i)) continue;
             const std::size_t at = static_cast<std::size_t>(slab) * static_cast<std::size_t>(ny * nz);
             const int* rows = t_.rows_[i].data() + 2 * s;
             for (std::size_t k = at + static_cast<std::size_t>(rows[0] * nz);
@@ -143,23 +150,26 @@ Jacobian::Jacobian(const Transport& transport, const double* x, const double* kv
 
 void Jacobian::laplacian(const std::vector<std::size_t>& which, const double* in, double* out) const {
     const std::size_t n = t_.n_;
-    if (t_.logarithmic_) {
-        // Two kernel means: over v, then over w; each keeps its own scale and cannot underflow.
-        std::vector<double> a(n);
-        for (std::size_t k = 0; k < which.size(); ++k) {
-            const std::size_t i = which[k];
-            double* to = out + k * n;
-            std::copy(in + k * n, in + (k + 1) * n, to);
-            t_.kernel_.apply_log(v_.data() + i * n, a.data(), to, t_.threads_);
-            t_.kernel_.apply_log(w_.data() + i * n, a.data(), to, t_.threads_);
-            for (std::size_t c = 0; c < n; ++c) to[c] = in[k * n + c] - to[c];
+    std::vector<std::size_t> linear;
+    std::vector<double> means;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        const std::size_t i = which[k];
+        if (!t_.logarithmic(i)) {
+            linear.push_back(k);
+            continue;
         }
-        return;
+        // Two kernel means: over v, then over w; each keeps its own scale and cannot underflow.
+        means.resize(n);
+        double* to = out + k * n;
+        std::copy(in + k * n, in + (k + 1) * n, to);
+        t_.kernel_.apply_log(v_.data() + i * n, means.data(), to, t_.threads_);
+        t_.kernel_.apply_log(w_.data() + i * n, means.data(), to, t_.threads_);
+        for (std::size_t c = 0; c < n; ++c) to[c] = in[k * n + c] - to[c];
     }
     const GaussianGrid grid = t_.kernel_.grid();
     const std::size_t plane = static_cast<std::size_t>(grid.cells[1]) * static_cast<std::size_t>(grid.cells[2]);
     t_.run(
-        which.size(),
+        linear,
         [&](std::size_t k, double* a, int c0, int c1, double* scratch) {
             t_.kernels_.forward_columns(grid, t_.covers_[which[k]], in + k * n, v_.data() + which[k] * n, a, c0, c1,
                                         scratch);

@@ -17,14 +17,17 @@ using Densities = std::vector<std::vector<double>>;
 
 class Transport {
 public:
-    // Linear form: K v and w as they are. Logarithmic form: their logarithms, -infinity where p_i is zero.
-    Transport(const GaussianKernel& kernel, const Densities& bases, bool logarithmic, Threads threads);
+    // logarithmic: which form of the kernel each base takes. Linear form: K v and w as they are. Logarithmic form:
+    // their logarithms, -infinity where p_i is zero.
+    Transport(const GaussianKernel& kernel, const Densities& bases, std::vector<char> logarithmic, Threads threads);
 
     // x = log v [m][n] -> K v, w on the cover, log d; each [m][n]. d is floored at `floor` in the linear form.
     void sweep(const double* x, double* kv, double* w, double* log_d, double floor) const;
 
     const GaussianKernel& kernel() const { return kernel_; }
-    bool logarithmic() const { return logarithmic_; }
+    const std::vector<char>& logarithmic() const { return logarithmic_; }
+    bool logarithmic(std::size_t i) const { return logarithmic_[i] != 0; }
+    void make_logarithmic(std::size_t i) { logarithmic_[i] = 1; }
     Threads threads() const { return threads_; }
     std::size_t bases() const { return bases_.size(); }
     std::size_t cells() const { return n_; }
@@ -33,12 +36,14 @@ public:
 
 private:
     friend class Jacobian;
+    // forward(k, plane, c0, c1, scratch), slab(k, x, plane, scratch), backward(k, plane, c0, c1, scratch) for the k
+    // listed.
     template <class Forward, class Slab, class Backward>
-    void run(std::size_t count, Forward&& forward, Slab&& slab, Backward&& backward) const;
+    void run(const std::vector<std::size_t>& listed, Forward&& forward, Slab&& slab, Backward&& backward) const;
 
     const GaussianKernel& kernel_;
     const Densities& bases_;
-    bool logarithmic_;
+    std::vector<char> logarithmic_;  // [m]
     Threads threads_;
     std::size_t n_;
     const BarycenterKernels& kernels_;
@@ -48,8 +53,9 @@ private:
 };
 
 // J_i = diag(1/d) K diag(w / (K v)) K diag(v), a stochastic matrix: positive semi-definite and self-adjoint under the
-// weight v d. Exact at x if all four come from one sweep; with v = p / d, K v of that v and the w that gave d, it is
-// self-adjoint under p and differs from the exact one by the error of the iterate.
+// weight v d. The forms are those of the transport now. Exact at x if all four come from one sweep; with v = p / d, K v
+// of that v and the w that gave d, it is self-adjoint under p and differs from the exact one by the error of the
+// iterate.
 class Jacobian {
 public:
     Jacobian(const Transport& transport, const double* x, const double* kv, const double* w, const double* log_d);
@@ -59,7 +65,7 @@ public:
 
 private:
     const Transport& t_;
-    std::vector<double> v_, w_, ratio_, inv_d_;  // logarithms of v and of w / (K v), and no others, in that form
+    std::vector<double> v_, w_, ratio_, inv_d_;  // of bases in that form: logarithms of v and w, and no others
 };
 
 }  // namespace dqa

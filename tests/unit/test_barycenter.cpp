@@ -73,7 +73,7 @@ void test_translates() {
         const Barycenter both = solve_barycenter(kernel, bases, {weight, 1 - weight}, settings_of(tolerance));
         check_whole(both, tolerance);
         NEAR(distance_1(both.p, shifted(cells, alone.p, expected)), 0, 1e-8);
-        return both.logarithmic;
+        return both.logarithmic == std::vector<char>{1, 1};
     };
     for (const int apart : {2, 10, 20, 30, 40}) CHECK(!check_shift(-apart / 2, apart / 2, 0.5, 0));
     CHECK(!check_shift(-2, 6, 0.25, 4));
@@ -119,7 +119,7 @@ void test_marginals_are_met() {
     for (const double tolerance : {1e-4, 1e-9, 1e-12}) {
         const Barycenter b = solve_barycenter(kernel, bases, {0.3, 0.5, 0.2}, settings_of(tolerance));
         check_whole(b, tolerance);
-        CHECK(b.m == 3 && b.n == kernel.size() && !b.logarithmic && b.iterations > 3);
+        CHECK(b.m == 3 && b.n == kernel.size() && b.logarithmic == std::vector<char>(3, 0) && b.iterations > 3);
         NEAR(marginal_error(kernel, bases, b), b.marginal_error, 1e-13);
         CHECK(b.marginal_error > 1e-3 * tolerance || tolerance < 1e-9);  // no more work than was asked for
     }
@@ -147,7 +147,7 @@ void test_logarithmic_form_agrees() {
         const Barycenter linear = solve_barycenter(kernel, bases, alpha, s);
         s.force_log = true;
         const Barycenter logarithmic = solve_barycenter(kernel, bases, alpha, s);
-        CHECK(!linear.logarithmic && logarithmic.logarithmic);
+        CHECK(linear.logarithmic == std::vector<char>(3, 0) && logarithmic.logarithmic == std::vector<char>(3, 1));
         check_whole(logarithmic, 1e-11);
         NEAR(distance_1(linear.p, logarithmic.p), 0, 1e-8);
     }
@@ -207,6 +207,28 @@ void test_threads_give_the_same_bits() {
     }
 }
 
+// One base far from where the others keep the body: it alone takes the logarithmic form, and the answer is the same.
+void test_one_base_in_logarithms() {
+    const Cells cells{30, 24, 4};
+    const GaussianKernel kernel(cells, 0.3);
+    const Bases bases{normalised(soft_ellipsoid(cells, {15, 12, 2}, {12, 2, 1.5})),
+                      normalised(soft_ellipsoid(cells, {15, 12, 2}, {11, 3, 1.2})),
+                      normalised(soft_ellipsoid(cells, {15, 12, 2}, {3, 11, 1.5}))};
+    const std::vector<double> weights{0.45, 0.45, 0.1};
+    BarycenterSettings s = settings_of(1e-12);
+    const Barycenter mixed = solve_barycenter(kernel, bases, weights, s);
+    CHECK(mixed.logarithmic == (std::vector<char>{0, 0, 1}));
+    check_whole(mixed, 1e-12);
+    s.force_log = true;
+    const Barycenter all = solve_barycenter(kernel, bases, weights, s);
+    NEAR(distance_1(mixed.p, all.p), 0, 1e-8);
+    std::vector<double> p_bar;
+    for (int c = 0; c < kernel.size(); ++c) p_bar.push_back(std::sin(0.01 * c));
+    const std::vector<double> bar = barycenter_pullback(kernel, bases, mixed, p_bar.data(), settings_of(1e-12)),
+                              expected = barycenter_pullback(kernel, bases, all, p_bar.data(), s);
+    for (std::size_t i = 0; i < 3; ++i) NEAR(bar[i], expected[i], 1e-7);
+}
+
 void test_not_converged_and_cancelled() {
     const Cells cells{12, 10, 11};
     const GaussianKernel kernel(cells, 0.6);
@@ -243,6 +265,7 @@ int main() {
         TEST(test_vertices),
         TEST(test_supports_apart),
         TEST(test_threads_give_the_same_bits),
+        TEST(test_one_base_in_logarithms),
         TEST(test_not_converged_and_cancelled),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);

@@ -75,7 +75,8 @@ void test_against_dense() {
         const std::size_t n = static_cast<std::size_t>(kernel.size()), m = bodies().size();
         Random random(22);
         const Vector x = random.vector(m * n), z = random.vector(m * n);
-        const Transport transport(kernel, bodies(), false, 1);
+        const std::vector<char> linear(m, 0);
+        const Transport transport(kernel, bodies(), linear, 1);
         Vector kv(m * n), w(m * n), log_d(m * n), out(m * n);
         transport.sweep(x.data(), kv.data(), w.data(), log_d.data(), 1e-290);
         Jacobian(transport, x.data(), kv.data(), w.data(), log_d.data()).laplacian({0, 1}, z.data(), out.data());
@@ -101,11 +102,25 @@ void test_against_dense() {
         }
         // Any number of threads gives the same bits; each base alone gives what it gives among others.
         for (const int threads : {2, 5}) {
-            const Transport many(kernel, bodies(), false, threads);
+            const Transport many(kernel, bodies(), linear, threads);
             Vector kv2(m * n), w2(m * n), log_d2(m * n), out2(m * n);
             many.sweep(x.data(), kv2.data(), w2.data(), log_d2.data(), 1e-290);
             Jacobian(many, x.data(), kv2.data(), w2.data(), log_d2.data()).laplacian({0, 1}, z.data(), out2.data());
             CHECK(kv2 == kv && w2 == w && log_d2 == log_d && out2 == out);
+        }
+        // One base in logarithms beside others that are not.
+        for (std::size_t i = 0; i < m; ++i) {
+            Transport mixed(kernel, bodies(), linear, 2);
+            mixed.make_logarithmic(i);
+            Vector kv2(m * n), w2(m * n), log_d2(m * n), out2(m * n);
+            mixed.sweep(x.data(), kv2.data(), w2.data(), log_d2.data(), 1e-290);
+            Jacobian(mixed, x.data(), kv2.data(), w2.data(), log_d2.data()).laplacian({0, 1}, z.data(), out2.data());
+            for (std::size_t k = 0; k < m * n; ++k) {
+                NEAR(log_d2[k], log_d[k], 1e-13 * std::fmax(1, std::fabs(log_d[k])));
+                NEAR(out2[k], out[k], 1e-12);
+                if (k / n != i) CHECK(kv2[k] == kv[k] && w2[k] == w[k]);
+                if (k / n == i && bodies()[i][k % n] > 0) NEAR(std::exp(kv2[k]) / kv[k], 1, 1e-13);
+            }
         }
     }
 }
@@ -117,7 +132,7 @@ void test_jacobian_is_stochastic_and_self_adjoint() {
     Random random(23);
     for (const bool logarithmic : {false, true}) {
         const Densities one{bodies()[0]};
-        const Transport transport(kernel, one, logarithmic, 1);
+        const Transport transport(kernel, one, {logarithmic}, 1);
         const Vector x = random.vector(n), y = random.vector(n), z = random.vector(n), constant(n, 2.5);
         Vector kv(n), w(n), log_d(n), ly(n), lz(n), lc(n);
         transport.sweep(x.data(), kv.data(), w.data(), log_d.data(), 1e-290);
