@@ -189,6 +189,7 @@ void Multigrid<Real>::prepare(Workspace& ws) const {
         const std::size_t n =
             4 * static_cast<std::size_t>(l < levels_.size() ? levels_[l].size() : coarsest_->size() / 3);
         ws.right[l].resize(n), ws.solution[l].resize(n + 4), ws.residual[l].resize(n + 4);
+        for (auto* values : {&ws.solution[l], &ws.residual[l]}) std::fill(values->end() - 4, values->end(), Real(0));
     }
 }
 
