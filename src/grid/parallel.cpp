@@ -30,8 +30,8 @@ int WorkCrew::take(int k, std::uint32_t epoch, int count, bool last) {
         if (age > 1u << 31) return -1;  // a newer loop than ours
         std::uint64_t first = now >> 16 & 0xffff, end = now & 0xffff;
         if (age > 0)
-            first = static_cast<std::uint64_t>(share_begin(k, count)),
-            end = static_cast<std::uint64_t>(share_begin(k + 1, count));
+            first = static_cast<std::uint64_t>(share_begin(k, threads_, count)),
+            end = static_cast<std::uint64_t>(share_begin(k + 1, threads_, count));
         const bool none = first >= end;
         if (none && age == 0) return -1;
         const int chunk = none ? -1 : static_cast<int>(last ? --end : first++);
@@ -96,7 +96,8 @@ void WorkCrew::for_chunks(int count, Job job, const void* context) {
     take_chunks(0, epoch);
     for (int k = 0; k < threads_; ++k) {
         Share& share = shares_[static_cast<std::size_t>(k)];
-        share.begun += static_cast<std::uint32_t>(share_begin(k + 1, count) - share_begin(k, count));
+        share.begun +=
+            static_cast<std::uint32_t>(share_begin(k + 1, threads_, count) - share_begin(k, threads_, count));
         while (share.finished.load(std::memory_order_acquire) != share.begun) relax();
     }
     if (failed_.load(std::memory_order_relaxed)) {

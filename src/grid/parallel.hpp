@@ -27,6 +27,11 @@
 
 namespace dqa {
 
+// The first chunk of share k; share k of T ends where share k + 1 begins.
+inline int share_begin(int k, int threads, int count) {
+    return static_cast<int>(static_cast<std::int64_t>(count) * k / threads);
+}
+
 class WorkCrew {
 public:
     explicit WorkCrew(int threads)
@@ -63,9 +68,6 @@ private:
     static constexpr int kMost = 0xffff;  // chunks that a share's number holds
 
     void for_chunks(int count, Job job, const void* context);
-    int share_begin(int k, int count) const {
-        return static_cast<int>(static_cast<std::int64_t>(count) * k / threads_);
-    }
     // A chunk of share k, the last one of those left or the first; -1 if none is left.
     int take(int k, std::uint32_t epoch, int count, bool last);
     void take_chunks(int self, std::uint32_t epoch);

@@ -71,11 +71,10 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
     std::sort(at.begin(), at.end());
     for (const auto& chunk : at) product_order_.push_back(chunk.second);
     // Within a thread's share the dear ones first (tissue, then muscles, then faces): the cheap ones even out the end.
-    const std::size_t share =
-        (product_order_.size() + static_cast<std::size_t>(crew_) - 1) / static_cast<std::size_t>(crew_);
-    for (std::size_t first = 0; first < product_order_.size(); first += share)
-        std::sort(product_order_.begin() + static_cast<std::ptrdiff_t>(first),
-                  product_order_.begin() + static_cast<std::ptrdiff_t>(std::min(first + share, product_order_.size())));
+    const int count = static_cast<int>(product_order_.size());
+    for (int k = 0; k < crew_; ++k)
+        std::sort(product_order_.begin() + share_begin(k, crew_, count),
+                  product_order_.begin() + share_begin(k + 1, crew_, count));
 }
 
 void Stepper::begin(const State& now, const StepInput& input) {
@@ -208,7 +207,14 @@ void Stepper::element_products(const T* p) {
 }
 
 template <class T>
-void Stepper::add_element_products(int begin, int end, T* out) const {
+void Stepper::sum_products(const T* p, T kept, int begin, int end, T* out) const {
+    const double inv_h2 = 1.0 / (beta_ * beta_);
+    const double* mass = design_->mass().data();
+    if (kept == T(0)) std::fill(out + 3 * begin, out + 3 * end, T(0));
+    for (int n = begin; n < end; ++n) {
+        const T inertia = static_cast<T>(mass[n] * inv_h2);
+        for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = kept * out[i] + inertia * p[i];
+    }
     design_->body().add_forces(body_, begin, end, out);
     if (const Water* water = design_->water()) water->add_product(water_, begin, end, out);
 }
@@ -216,14 +222,8 @@ void Stepper::add_element_products(int begin, int end, T* out) const {
 template <class T>
 double Stepper::full_product(const T* p, T* out) {
     element_products(p);
-    const double inv_h2 = 1.0 / (beta_ * beta_);
-    const double* mass = design_->mass().data();
     return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        for (int n = begin; n < end; ++n) {
-            const T inertia = static_cast<T>(mass[n] * inv_h2);
-            for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = inertia * p[i];
-        }
-        add_element_products(begin, end, out);
+        sum_products(p, T(0), begin, end, out);
         return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
 }
@@ -232,19 +232,13 @@ template double Stepper::full_product(const double*, double*);
 template <class T>
 double Stepper::direct(const T* z, T beta, T* p, T* ap) {
     element_products(z);
-    const double inv_h2 = 1.0 / (beta_ * beta_);
-    const double* mass = design_->mass().data();
-    const bool all_free = free_coordinate_.empty(), first = beta == T(0);
+    const bool all_free = free_coordinate_.empty();
     return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         const int from = 3 * begin, to = 3 * end;
-        if (first) std::fill(p + from, p + to, T(0)), std::fill(ap + from, ap + to, T(0));
-        for (int n = begin; n < end; ++n) {
-            const T inertia = static_cast<T>(mass[n] * inv_h2);
-            for (int i = 3 * n; i < 3 * n + 3; ++i) ap[i] = beta * ap[i] + inertia * z[i];
-        }
-        add_element_products(begin, end, ap);
+        sum_products(z, beta, begin, end, ap);
         for (int i = from; !all_free && i < to; ++i)
             ap[i] *= static_cast<T>(free_coordinate_[static_cast<std::size_t>(i)]);
+        if (beta == T(0)) std::fill(p + from, p + to, T(0));
         for (int i = from; i < to; ++i) p[i] = z[i] + beta * p[i];
         return ordered_dot(p + from, ap + from, static_cast<std::size_t>(to - from));
     });

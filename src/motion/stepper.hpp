@@ -97,7 +97,8 @@ private:
     template <class T>
     void element_products(const T* p);
     template <class T>
-    void add_element_products(int begin, int end, T* out) const;  // at nodes [begin, end)
+    void sum_products(const T* p, T kept, int begin, int end,
+                      T* out) const;  // out = kept out + H p, nodes [begin, end)
     template <class T>
     double direct(const T* z, T beta, T* p, T* ap);  // PcgProducts::direct
     void precondition(const double* in, double* out);

@@ -170,6 +170,12 @@ private:
         }
     }
 
+    bool beyond_limit(const std::vector<double>& x) const {
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (x[k] > -kLogFloor && !transport_.logarithmic(k / n_)) return true;
+        return false;
+    }
+
     // Takes the base that underflowed worst over to the logarithmic form, or all where nothing else was left of p. The
     // others may have followed it: they are looked at anew, from the x that was not limited.
     void use_logarithms(std::vector<double>& x) {
@@ -190,8 +196,7 @@ private:
 
     // One iteration from x: w, d, p, f = T(x) - x and the marginal error.
     Outcome evaluate(std::vector<double>& x) {
-        unlimited_.clear();
-        if (std::any_of(x.begin(), x.end(), [](double value) { return value > -kLogFloor; })) unlimited_ = x;
+        unlimited_ = beyond_limit(x) ? x : std::vector<double>();
         limit(x);
         transport_.sweep(x.data(), kv_.data(), w_.data(), log_d_.data(), kFloor);
         constexpr int grain = 1024;
@@ -228,12 +233,12 @@ private:
         });
         log_peak_ = *std::max_element(peak.begin(), peak.end());
         error_ = 0.0;
-        const bool all_finite = std::isfinite(log_peak_);
-        bool finite = all_finite;
+        const bool finite_peak = std::isfinite(log_peak_);
+        bool finite = finite_peak;
         for (std::size_t i = 0; i < m_; ++i) {
             double e = 0.0;
             for (std::size_t k = 0; k < static_cast<std::size_t>(chunks); ++k) e += part[k * m_ + i];
-            floored_[i] = all_finite && !std::isfinite(e) && !transport_.logarithmic(i) ? 1.0 : 0.0;
+            floored_[i] = finite_peak && !std::isfinite(e) && !transport_.logarithmic(i) ? 1.0 : 0.0;
             finite = finite && std::isfinite(e);
             error_ = std::max(error_, e);
         }

@@ -109,7 +109,8 @@ struct OwnLoss {
     }
 };
 
-// What adjoints leave unsolved must not add up over a long rollout, and is no less than the states' in a short one.
+// A third of the states' tolerance, less by how stiff the body is, and over a long rollout, where what adjoints leave
+// unsolved must not add up.
 void test_tolerance_of_adjoints() {
     SceneSettings scene;
     NEAR(scene.adjoint_tolerance_over(0), 3e-7, 1e-22);
