@@ -63,9 +63,10 @@ double Stepper::shifted_direction(double forcing, double shift, int limit, StepR
 bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
                               StepReport& report) {
     double shift = kFirstShift;
+    int further = 0;
     candidate_.resize(size_);
     for (int k = 0; k < limit && shift < kLargestShift; ++k) {
-        if (settled(x, now, signals)) return true;
+        if (finished(x, now, signals, further)) return true;
         check_cancelled(step);
         ++report.newton_iterations;
         const double decrease = shifted_direction(forcing(now), shift, scene_.max_linear, report);
@@ -94,7 +95,7 @@ bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const dou
         // At the rounding of the positions, where steps no longer help, the answer is as exact as it can be.
         const bool stagnant = alike && now.residual <= kNoise * noise_;
         now = evaluate(x.data(), signals);
-        if (alike && (stagnant || shift == 0.0)) return stagnant;
+        if (alike && (stagnant || shift == 0.0)) return stagnant || settled(x, now, signals);
         shift = std::max(kLeastShift, 4.0 * shift);
     }
     return settled(x, now, signals);

@@ -16,6 +16,8 @@ constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kShort = 0.1;        // of Newton's step: less of it is a short step,
 constexpr int kShortSteps = 3;        // and this many say that the energy's valley is curved
 constexpr double kReach = 10.0;       // tolerances: what a linear solve leaves of them may make it the last one
+constexpr double kLoose = 0.3;        // tolerances: a step that ends above takes further iterations
+constexpr int kFurther = 3;           // of them at most: one is enough but where curvature changes fast
 constexpr double kLast = 0.03;        // tolerances that the last one leaves: gradients lose a thousandfold of them
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
@@ -99,25 +101,6 @@ void Stepper::begin(const State& now, const StepInput& input) {
                    threads_);
 }
 
-template <class T>
-double Stepper::rounding_of(const T* x) const {
-    const double* diagonal = design_->stiffness_diagonal().data();
-    const double square = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        double sum = 0.0;
-        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
-            const double force = diagonal[i / 3] * static_cast<double>(x[i]);
-            sum += force * force;
-        }
-        return sum;
-    });
-    return 0.25 * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::sqrt(square);
-}
-
-template <class T>
-void Stepper::mask(T* field) const {
-    for (const int i : design_->constrained()) field[i] = T(0);
-}
-
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
     Evaluation e;
     e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
@@ -147,169 +130,6 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     e.residual = std::sqrt(sums.total2);
     e.finite = std::isfinite(e.residual) && std::isfinite(e.energy);
     return e;
-}
-
-template <class T>
-double Stepper::apply_hessian(const T* p, T* out) {
-    if (design_->constrained().empty()) return full_product(p, out);
-    std::vector<T>& masked = masked_.in(T());
-    masked.resize(size_ + 1);
-    std::copy(p, p + size_, masked.begin());
-    mask(masked.data());
-    double product = full_product(masked.data(), out);
-    for (const int i : design_->constrained()) out[i] = p[i], product += static_cast<double>(p[i] * p[i]);
-    return product;
-}
-template double Stepper::apply_hessian(const double*, double*);
-
-void Stepper::precondition(const double* in, double* out) {
-    design_->preconditioner().solve(in, out, threads_, preconditioner_);
-    mask(out);
-}
-
-template <class T>
-PcgProducts<T> Stepper::system() {
-    // r, p and ap are zero on the constrained coordinates.
-    return {[this](const T* p, T* out) { return apply_hessian(p, out); },
-            [this](const T* r, double norm, bool descended, const T* ap, T* z) {
-                const auto products =
-                    design_->preconditioner().solve(r, norm, descended, ap, z, threads_, preconditioner_);
-                mask(z);
-                return products;
-            },
-            [this](const T* z, T beta, T* p, T* ap) { return direct(z, beta, p, ap); },
-            [this](T step, const T* p, const T* ap, T* x, T* r, double norm) {
-                return design_->preconditioner().descend(step, p, ap, x, r, norm, threads_, preconditioner_);
-            }};
-}
-
-PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, bool indefinite) {
-    if (!design_->preconditioner().has_single())
-        return pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), threads_, krylov_, indefinite);
-    design_->body().to_single(body_, threads_);
-    const auto rounding = [this](const float* p) { return rounding_of(p); };
-    return mixed_pcg(size_, b, x, tolerance, scene_.max_linear, system<double>(), system<float>(), rounding, threads_,
-                     krylov_, indefinite);
-}
-
-// Products come in two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
-template <class T>
-void Stepper::element_products(const T* p) {
-    const Body& body = design_->body();
-    const int of_body = body.n_chunks();
-    parallel_chunks(threads_, static_cast<int>(product_order_.size()), 1, [&](int place, int) {
-        const int k = product_order_[static_cast<std::size_t>(place)];
-        if (k < of_body)
-            body.product_chunk(body_, p, k);
-        else
-            design_->water()->product_chunk(water_, p, beta_, k - of_body);
-    });
-}
-
-template <class T>
-void Stepper::sum_products(const T* p, T kept, int begin, int end, T* out) const {
-    const double inv_h2 = 1.0 / (beta_ * beta_);
-    const double* mass = design_->mass().data();
-    if (kept == T(0)) std::fill(out + 3 * begin, out + 3 * end, T(0));
-    for (int n = begin; n < end; ++n) {
-        const T inertia = static_cast<T>(mass[n] * inv_h2);
-        for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = kept * out[i] + inertia * p[i];
-    }
-    design_->body().add_forces(body_, begin, end, out);
-    if (const Water* water = design_->water()) water->add_product(water_, begin, end, out);
-}
-
-template <class T>
-double Stepper::full_product(const T* p, T* out) {
-    element_products(p);
-    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        sum_products(p, T(0), begin, end, out);
-        return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
-    });
-}
-template double Stepper::full_product(const double*, double*);
-
-template <class T>
-double Stepper::direct(const T* z, T beta, T* p, T* ap) {
-    element_products(z);
-    const bool all_free = free_coordinate_.empty();
-    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        const int from = 3 * begin, to = 3 * end;
-        sum_products(z, beta, begin, end, ap);
-        for (int i = from; !all_free && i < to; ++i)
-            ap[i] *= static_cast<T>(free_coordinate_[static_cast<std::size_t>(i)]);
-        if (beta == T(0)) std::fill(p + from, p + to, T(0));
-        for (int i = from; i < to; ++i) p[i] = z[i] + beta * p[i];
-        return ordered_dot(p + from, ap + from, static_cast<std::size_t>(to - from));
-    });
-}
-
-// The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products
-// yield all of it, from the same kernel that the iterative solver uses.
-SymmetricMatrix Stepper::assemble() {
-    const auto& nodes = design_->set().node_ijk;
-    const Box& box = design_->space().box();
-    std::vector<std::vector<std::pair<int, double>>> columns(size_);
-    std::vector<double> probe(size_), out(size_);
-    for (int colour = 0; colour < 27; ++colour) {
-        const auto of_colour = [&](const std::array<int, 3>& ijk) {
-            return (ijk[0] % 3) * 9 + (ijk[1] % 3) * 3 + ijk[2] % 3 == colour;
-        };
-        if (std::none_of(nodes.begin(), nodes.end(), of_colour)) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-            std::fill(probe.begin(), probe.end(), 0.0);
-            for (std::size_t n = 0; n < nodes.size(); ++n)
-                if (of_colour(nodes[n])) probe[3 * n + static_cast<std::size_t>(axis)] = 1.0;
-            apply_hessian(probe.data(), out.data());
-            for (std::size_t n = 0; n < nodes.size(); ++n) {
-                if (!of_colour(nodes[n])) continue;
-                const int column = static_cast<int>(3 * n) + axis;
-                for (int o = 0; o < 27; ++o) {
-                    const int i = nodes[n][0] + o / 9 - 1, j = nodes[n][1] + o / 3 % 3 - 1, k = nodes[n][2] + o % 3 - 1;
-                    if (i < 0 || j < 0 || k < 0 || i > box.cells[0] || j > box.cells[1] || k >= box.node_planes())
-                        continue;
-                    const int other = design_->set().node_to_active[static_cast<std::size_t>(box.node(i, j, k))];
-                    if (other < 0) continue;
-                    for (int a = 0; a < 3; ++a) {
-                        const int row = 3 * other + a;
-                        if (row >= column)
-                            columns[static_cast<std::size_t>(column)].emplace_back(row,
-                                                                                   out[static_cast<std::size_t>(row)]);
-                    }
-                }
-            }
-        }
-    }
-    return matrix_from_columns(columns);
-}
-
-// direction_ <- -H^-1 gradient_. Returns false if no descent direction came of it (negative curvature at once).
-bool Stepper::newton_direction(double forcing, StepReport& report) {
-    std::vector<double>& b = right_;
-    on_coordinates([&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) b[i] = -gradient_[i];
-    });
-    if (scene_.method == Method::newton_direct) {
-        // An indefinite Hessian is shifted, as little as will do: filtering all cells would cost Newton's convergence.
-        SymmetricMatrix h = assemble();
-        double shifted = 0.0;
-        for (const double shift : {0.0, 1e-6, 1e-4, 1e-2}) {
-            for (std::size_t j = 0; j < size_; ++j)
-                h.value[static_cast<std::size_t>(h.start[j])] +=
-                    (shift - shifted) * design_->stiffness_diagonal()[j / 3];
-            shifted = shift;
-            std::vector<double> x(b);
-            if (!solve_positive(h, x)) continue;
-            direction_ = x;
-            ++report.linear_iterations;
-            return true;
-        }
-        return false;
-    }
-    const PcgResult r = solve_hessian(b.data(), direction_.data(), forcing, false);
-    report.linear_iterations += r.iterations;
-    // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
-    return r.iterations > 0 && std::isfinite(r.relative_residual);
 }
 
 int Stepper::worst_cell() const {
@@ -355,7 +175,7 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
     if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
     const char* why = scene_.method == Method::projective ? descend_quasi_newton(x, now, input.signals, step, report)
                                                           : descend_newton(x, now, input.signals, step, report);
-    if (why) rescue(before, x, now, input.signals, step, why, report);
+    if (why && !settled(x, now, input.signals)) rescue(before, x, now, input.signals, step, why, report);
     check_explicit_water(x, now, input, step);
     // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
@@ -417,11 +237,22 @@ bool Stepper::converged(const Evaluation& now) const {
     return now.residual <= target(now);
 }
 
+// A step that fell under the target by luck, from an iteration not meant to be the last one, may stop just below it;
+// with the thousandfold that soft and stiff bodies make of a residual, that is too much for positions and gradients.
+bool Stepper::loose(const Evaluation& now) const {
+    return now.residual > std::max(kLoose * scene_.tolerance * share_of_motion(now) * now.scale, noise_);
+}
+
+// Whether Newton's method ends here; `further` counts the iterations that a loose end has been given.
+bool Stepper::finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further) {
+    return settled(x, now, signals) && (!loose(now) || further++ == kFurther);
+}
+
 // How exactly a linear system is solved: as far as this iteration can use, and the last one to well below the target.
 // A step that only just reaches it would carry the whole tolerance into the gradient, for two iterations less.
 double Stepper::forcing(const Evaluation& now) const {
     const double enough = target(now);
-    if (now.residual <= enough) return 0.01;  // it is the body as a whole that is not in balance
+    if (now.residual <= enough && !loose(now)) return 0.01;  // it is the body as a whole that is not in balance
     const double usual = std::min(0.1, std::sqrt(now.residual / now.scale));
     return usual * now.residual <= kReach * enough ? kLast * enough / now.residual : usual;
 }
@@ -467,7 +298,8 @@ const char* Stepper::descend_newton(std::vector<double>& x, Evaluation& now, con
     bool force_filter = false;
     int short_steps = 0;
     double previous = std::numeric_limits<double>::infinity();
-    while (!settled(x, now, signals)) {
+    int further = 0;
+    while (!finished(x, now, signals, further)) {
         // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
         if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
         previous = now.residual;

@@ -13,6 +13,8 @@
 // Where that fails, another method takes over (rescue.cpp): another way to the same equations, so that the answer and
 // its derivative mean the same; the report and a warning tell of it.
 //
+// The linear systems with the Hessian H of this are in step_system.cpp.
+//
 // Adjoint (step_adjoint.cpp): H(q+) lambda = q+_bar + v+_bar / b, then the cotangents of everything the residual
 // depends on.
 #pragma once
@@ -116,6 +118,8 @@ private:
     bool newton_direction(double forcing, StepReport& report);
     bool converged(const Evaluation& now) const;
     void check_cancelled(long step) const;
+    bool loose(const Evaluation& now) const;
+    bool finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further);
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
     void balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance);
