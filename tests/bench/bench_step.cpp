@@ -8,7 +8,8 @@
 //              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
-// step, medians over --repeat (least and largest are printed beside them), each configuration in a process of its own.
+// step, medians over --repeat, and the least of them, from which a machine that others use too takes less; each
+// configuration in a process of its own.
 // state_error and gradient_error are against newton_direct at 1e-12 on the full box (threshold 0): what solver and
 // threshold make of one discrete problem. A tag in the scene column names another exact answer:
 //   :same_cells  at 1e-12 on the row's own active cells, the solver's error alone (--algebraic, --sweep tolerance)
@@ -40,7 +41,8 @@ using namespace bench;
 
 constexpr char kHeader[] =
     "scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,backward_ms,"
-    "newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib";
+    "newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib,"
+    "forward_least_ms,backward_least_ms";
 
 constexpr char kAdjointHeader[] =
     "scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,gradient_error";
@@ -287,12 +289,12 @@ private:
             forward.largest / steps, backward.median / steps, backward.least / steps, backward.largest / steps,
             spread_of(o.pullback).median, o.newton, o.linear, o.adjoint, o.residual, state, gradient, o.peak_mib);
         std::fflush(stdout);
-        csv_.row("%s%s,%s,%.0f,%g,%s,%s,%s,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f\n",
+        csv_.row("%s%s,%s,%.0f,%g,%s,%s,%s,%g,%d,%.3f,%.4f,%.4f,%.2f,%.2f,%.2f,%.3e,%.3e,%.3e,%.1f,%.4f,%.4f\n",
                  scene.name.c_str(), tag, scene.grid_text().c_str(), o.active_cells, setup.threshold,
                  kMethods[setup.method], kIntegrators[setup.integrator],
                  iterative ? kPrecisions[setup.precision] : "double", setup.tolerance, setup.threads, o.setup_ms,
                  forward.median / steps, backward.median / steps, o.newton, o.linear, o.adjoint, o.residual, state,
-                 gradient, o.peak_mib);
+                 gradient, o.peak_mib, forward.least / steps, backward.least / steps);
     }
 
     const Settings& s_;

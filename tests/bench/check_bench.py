@@ -17,7 +17,8 @@ import xml.etree.ElementTree
 
 HERE = pathlib.Path(__file__).resolve().parent
 STEP = ("scene,grid,active_cells,threshold,method,integrator,precision,tolerance,threads,setup_ms,forward_ms,"
-        "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib")
+        "backward_ms,newton_iterations,linear_iterations,adjoint_iterations,residual,state_error,gradient_error,peak_mib,"
+        "forward_least_ms,backward_least_ms")
 ROLLOUT = ("scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,checkpoint_mib,forward_ms,backward_ms,"
            "loss,loss_error,gradient_error,peak_mib")
 QUADRATURE = "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms,backward_ms,state_error"
@@ -221,7 +222,7 @@ def charts(_=None):
 
         def step_row(scene, cells, tau, method, tolerance, threads, ms, error):
             return [scene, f"{cells}x1x1", cells, tau, method, "euler", "single", tolerance, threads, ms, ms, ms, 5, 50,
-                    40, tolerance, error, 10 * error, 12]
+                    40, tolerance, error, 10 * error, 12, ms, ms]
 
         write("step_tolerance", STEP, [
             step_row(scene, cells, tau, method, t, 1, ms * cells * (1 - math.log(t)), 10 * t)

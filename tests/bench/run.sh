@@ -81,7 +81,8 @@ else
     bench bench_step --scenes "eel,$animals" --sweep adjoint --csv "$results/step_adjoint.csv"
     bench bench_step --scenes eel --sweep quadrature --steps 20 --repeat 3 --csv "$results/step_quadrature.csv"
     bench bench_parts --scenes "eel,$animals,three" --threads "$threads" --csv "$results/parts.csv"
-    bench bench_step --scaling --scenes "$animals" --threads "$threads" --repeat 3 --csv "$results/step_scaling.csv"
+    bench bench_step --scaling --scenes "$animals" --threads "$threads" --repeat 15 \
+        --csv "$results/step_scaling.csv"
     bench bench_rollout --scenes eel --reference --threads "$threads" --csv "$results/rollout_eel.csv"
     bench bench_rollout --scenes "$animals" --rates 15,30,60 --threads "$threads" --repeat 1 \
         --csv "$results/rollout_$animals.csv"
