@@ -228,9 +228,9 @@ double Stepper::share_of_motion(const Evaluation& now) {
     return now.scale > 0 ? std::min(1.0, kOuter * now.outer / now.scale) : 1.0;
 }
 
-// The residual to reach.
-double Stepper::target(const Evaluation& now) const {
-    return std::max(scene_.tolerance * share_of_motion(now) * now.scale, noise_);
+// The residual to reach, with a tolerance of so many of the scene's.
+double Stepper::target(const Evaluation& now, double tolerances) const {
+    return std::max(tolerances * scene_.tolerance * share_of_motion(now) * now.scale, noise_);
 }
 
 bool Stepper::converged(const Evaluation& now) const {
@@ -240,7 +240,7 @@ bool Stepper::converged(const Evaluation& now) const {
 // A step that fell under the target by luck, from an iteration not meant to be the last one, may stop just below it;
 // with the thousandfold that soft and stiff bodies make of a residual, that is too much for positions and gradients.
 bool Stepper::loose(const Evaluation& now) const {
-    return now.residual > std::max(kLoose * scene_.tolerance * share_of_motion(now) * now.scale, noise_);
+    return now.residual > target(now, kLoose);
 }
 
 // Whether Newton's method ends here; `further` counts the iterations that a loose end has been given.
@@ -251,8 +251,8 @@ bool Stepper::finished(std::vector<double>& x, Evaluation& now, const double* si
 // How exactly a linear system is solved: as far as this iteration can use, and the last one to well below the target.
 // A step that only just reaches it would carry the whole tolerance into the gradient, for two iterations less.
 double Stepper::forcing(const Evaluation& now) const {
+    if (!loose(now)) return 0.01;  // it is the body as a whole that is not in balance
     const double enough = target(now);
-    if (now.residual <= enough && !loose(now)) return 0.01;  // it is the body as a whole that is not in balance
     const double usual = std::min(0.1, std::sqrt(now.residual / now.scale));
     return usual * now.residual <= kReach * enough ? kLast * enough / now.residual : usual;
 }

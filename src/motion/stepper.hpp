@@ -98,9 +98,9 @@ private:
     double full_product(const T* p, T* out);  // of all coordinates; p.out
     template <class T>
     void element_products(const T* p);
+    // out = kept out + H p at nodes [begin, end), from what element_products(p) left.
     template <class T>
-    void sum_products(const T* p, T kept, int begin, int end,
-                      T* out) const;  // out = kept out + H p, nodes [begin, end)
+    void sum_products(const T* p, T kept, int begin, int end, T* out) const;
     template <class T>
     double direct(const T* z, T beta, T* p, T* ap);  // PcgProducts::direct
     void precondition(const double* in, double* out);
@@ -116,15 +116,15 @@ private:
     double dot(const double* a, const double* b) const { return ordered_dot(a, b, size_, threads_); }
     SymmetricMatrix assemble();
     bool newton_direction(double forcing, StepReport& report);
-    bool converged(const Evaluation& now) const;
     void check_cancelled(long step) const;
+    bool converged(const Evaluation& now) const;
     bool loose(const Evaluation& now) const;
     bool finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further);
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
     void balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance);
     static double share_of_motion(const Evaluation& now);
-    double target(const Evaluation& now) const;
+    double target(const Evaluation& now, double tolerances = 1.0) const;
     double forcing(const Evaluation& now) const;
     double energy_noise(const std::vector<double>& x, const Evaluation& now) const;
     // The share of direction_ that was gone; 0 if none was found.

@@ -196,7 +196,8 @@ private:
 
     // One iteration from x: w, d, p, f = T(x) - x and the marginal error.
     Outcome evaluate(std::vector<double>& x) {
-        unlimited_ = beyond_limit(x) ? x : std::vector<double>();
+        unlimited_.clear();
+        if (beyond_limit(x)) unlimited_ = x;
         limit(x);
         transport_.sweep(x.data(), kv_.data(), w_.data(), log_d_.data(), kFloor);
         constexpr int grain = 1024;
