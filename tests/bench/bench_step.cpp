@@ -4,7 +4,7 @@
 //   bench_step [--csv FILE] [--threads LIST] [--quick] [--scenes LIST] [--grid NXxNYxNZ] [--data DIR] [--steps N]
 //              [--repeat N] [--budget SECONDS] [--methods LIST] [--threshold LIST] [--tolerance LIST]
 //              [--integrators LIST] [--precision LIST] [--quadrature full|reduced]
-//              [--sweep tolerance|adjoint|threshold|quadrature] [--algebraic] [--discretisation] [--reference]
+//              [--sweep tolerance|adjoint|threshold|quadrature|model] [--algebraic] [--discretisation] [--reference]
 //              [--oracle auto|direct|pcg] [--scaling] [--indicator] [--sigma S]
 //
 // A run is a rollout of some steps under a sine and its backward sweep with the gradient by weights; times are per
@@ -20,6 +20,9 @@
 // --sweep quadrature: eight integration points a cell against one, on cells of the grid's size and of half of it; the
 // error of the state is against eight points on cells of a quarter of the size (with the same blur in metres, to 1e-8),
 // and that of one point on those says how far the two disagree there. In columns of its own.
+// --sweep model: what a simpler scene leaves out. planar: nothing moves along z; plane: two dimensions, the plane
+// through the middle of the bases with the same muscles (caudal ones only), its nodes against those in the middle of
+// the full scene; no_water. Errors are against the full scene at 1e-9, that of the travel relative to its own there.
 // --indicator sets the a-priori estimate of a threshold's error (motion/threshold.hpp) beside the measured ones of
 // newton_pcg, against the full box at 1e-9, and prints the cells and the time that the threshold leaves.
 // In boxes of more than 6000 cells, where factorising the Hessian takes minutes, the exact answer is newton_pcg's at
@@ -50,6 +53,9 @@ constexpr char kAdjointHeader[] =
 constexpr char kQuadratureHeader[] =
     "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms,backward_ms,state_error";
 
+constexpr char kModelHeader[] =
+    "scene,grid,active_cells,model,steps,forward_ms,backward_ms,state_error,travel_error,gradient_error";
+
 struct Settings : SceneRuns {
     std::string oracle = "auto";
     std::vector<std::string> methods{"newton_pcg", "projective", "newton_direct"}, integrators{"euler"},
@@ -57,8 +63,8 @@ struct Settings : SceneRuns {
     Vector thresholds{0.02, 0.0}, tolerances{1e-6};
     int steps = 5, quadrature = 1;
     double sigma = 0.4;
-    bool adjoints = false, quadratures = false, indicator = false, algebraic = false, discretisation = false,
-         scaling = false;
+    bool adjoints = false, quadratures = false, models = false, indicator = false, algebraic = false,
+         discretisation = false, scaling = false;
 };
 
 bool small(const Scene& scene) {
@@ -79,6 +85,7 @@ public:
         : s_(s),
           csv_(s.csv, s.adjoints      ? kAdjointHeader
                       : s.quadratures ? kQuadratureHeader
+                      : s.models      ? kModelHeader
                                       : kHeader) {}
 
     void scene(const Scene& scene) {
@@ -194,6 +201,40 @@ public:
                          got->active_cells, kQuadratures[quadrature], refine * refine * refine, s_.steps, forward,
                          backward, error);
             }
+    }
+
+    // What simpler scenes cost and what they get wrong.
+    void models(const Scene& scene) {
+        exact_.clear();
+        const Outcome* truth = exact(scene, s_.thresholds.front(), 0, s_.quadrature, 1e-9);
+        if (!truth) return;
+        for (const std::string model : kModels) {
+            Setup setup =
+                setup_of(s_, 0, 0, s_.thresholds.front(), s_.tolerances.front(), static_cast<int>(s_.threads.front()));
+            setup.planar = model == "planar", setup.water = model != "no_water";
+            const bool plane = model == "plane";
+            const auto own = plane ? middle_plane(scene, s_.sigma) : std::optional(scene);
+            if (!own) {
+                std::printf("%-12s %-8s is left out: it has muscles that a plane does not have\n", scene.name.c_str(),
+                            model.c_str());
+                continue;
+            }
+            auto got = measure(*own, setup);
+            if (!got) continue;
+            if (plane) got = in_the_middle(std::move(*got), scene);
+            const double state = state_error(*got, *truth, scene), gradient = gradient_error(*got, *truth);
+            const double travel = std::fabs(got->loss - truth->loss) / std::fabs(truth->loss);
+            const double forward = spread_of(got->forward).median / s_.steps;
+            const double backward = spread_of(got->backward).median / s_.steps;
+            std::printf(
+                "%-12s %-8s %6.0f cells, %d steps: forward %8.2f ms, backward %8.2f ms, travel %8.2f mm, errors of "
+                "state %.1e, travel %.1e, gradient %.1e\n",
+                scene.name.c_str(), model.c_str(), got->active_cells, s_.steps, forward, backward, -1e3 * got->loss,
+                state, travel, gradient);
+            std::fflush(stdout);
+            csv_.row("%s,%s,%.0f,%s,%d,%.4f,%.4f,%.3e,%.3e,%.3e\n", scene.name.c_str(), own->grid_text().c_str(),
+                     got->active_cells, model.c_str(), s_.steps, forward, backward, state, travel, gradient);
+        }
     }
 
     void indicator(const Scene& scene) {
@@ -323,10 +364,12 @@ Settings parse(int argc, char** argv) {
             s.adjoints = true, s.tolerances = {1e-6, 1e-10}, s.thresholds = {0.02};
         } else if (what == "quadrature") {
             s.quadratures = true, s.thresholds = {0.02};
+        } else if (what == "model") {
+            s.models = true, s.thresholds = {0.02};
         } else if (what == "threshold") {
             s.thresholds = {0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.0};
         } else {
-            throw UsageError("--sweep takes tolerance, adjoint, threshold or quadrature");
+            throw UsageError("--sweep takes tolerance, adjoint, threshold, quadrature or model");
         }
     });
     options.flag("--algebraic", s.algebraic);
@@ -362,6 +405,8 @@ int main(int argc, char** argv) {
                     bench.adjoints(*scene);
                 else if (s.quadratures)
                     bench.quadratures(*scene);
+                else if (s.models)
+                    bench.models(*scene);
                 else if (s.indicator)
                     bench.indicator(*scene);
                 else

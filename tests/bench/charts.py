@@ -4,9 +4,8 @@
 
     charts.py [--results DIR] [--charts DIR] [name ...]
 
-Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, quadrature, scaling, barycenter,
-schedule, stability; default all
-whose CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
+Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, quadrature, model, scaling, barycenter, schedule,
+stability; default all whose CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
 """
 import argparse
 import csv
@@ -104,7 +103,7 @@ def draw(path, title, panels, width=1080, height=520):
             block = f"$p{number}_{k}"
             lines += [f"{block} << EOD"] + [f"{x:.8g} {y:.8g}" for x, y in curve.points] + ["EOD"]
             plots.append(f"{block} using 1:2 with {curve.style} lc rgb '{curve.colour}' lw 2 dt {curve.dash} "
-                         f"pt {curve.mark} ps 0.6 title \"{escape(curve.label)}\"" if curve.style == "linespoints" else
+                         f"pt {curve.mark} ps 0.6 title \"{escape(curve.label)}\"" if curve.style != "lines" else
                          f"{block} using 1:2 with lines lc rgb '{curve.colour}' lw 1.5 dt {curve.dash} "
                          f"title \"{escape(curve.label)}\"")
             if curve.rings:
@@ -280,6 +279,37 @@ def quadrature(results, charts):
     if panels:
         draw(charts / "quadrature.svg", "Against cells of a quarter of the size",
              panels, width=640 * len(panels))
+
+
+MODELS = {"planar": "planar", "plane": "2-D", "no_water": "no water"}
+
+
+def model(results, charts):
+    """Errors of simpler scenes over their time, beside the time of the full one."""
+    rows = read(results, "step_model")
+    scenes = [s for s in SCENES if any(r["scene"] == s for r in rows)]
+    if not scenes:
+        return
+    panels, parts = [], []
+    for error in ("state", "travel", "gradient"):
+        curves = []
+        for scene, colour in zip(scenes, FIVE):
+            group = [r for r in rows if r["scene"] == scene and r["model"] in MODELS and r[f"{error}_error"] > 0]
+            points = [(step_ms(r), r[f"{error}_error"]) for r in group]
+            curves.append(Curve(f"{SCENES[scene]} (dotted: full scene)", colour, points, style="points",
+                                texts=[(*point, MODELS[r["model"]]) for point, r in zip(points, group)]))
+            whole = next((r for r in rows if r["scene"] == scene and r["model"] == "full"), None)
+            if whole and points:
+                curves.append(Curve("", colour, [(step_ms(whole), 0.3 * min(y for _, y in points)),
+                                                 (step_ms(whole), 3.0)], dash=3, style="lines"))
+            plane = next((r for r in group if r["model"] == "plane"), None)
+            if whole and plane and error == "travel":
+                parts.append(f"{step_ms(whole) / step_ms(plane):.0f} times faster, travel off by "
+                             f"{100 * plane['travel_error']:.2g} % ({SCENES[scene]})")
+        panels.append(Panel(f"Error of the {error}", "forward and backward step (ms, one core)",
+                            f"relative error of the {error}", curves, extra=["set xrange [*<1:*]"]))
+    title = "Simpler scenes against the full one" + (". In two dimensions: " + "; ".join(parts) if parts else "")
+    draw(charts / "model.svg", title, panels, width=1320)
 
 
 def slope(points):
@@ -519,7 +549,7 @@ def main():
     jobs = {f"work_precision_{s}": lambda s=s: work_precision(options.results, options.charts, s) for s in SCENES}
     jobs |= {f"rollout_{s}": lambda s=s: rollout(options.results, options.charts, s) for s in SCENES}
     jobs |= {f.__name__: lambda f=f: f(options.results, options.charts)
-             for f in (threshold, adjoint, quadrature, scaling, barycenter, schedule, stability)}
+             for f in (threshold, adjoint, quadrature, model, scaling, barycenter, schedule, stability)}
     for name in options.names:
         if name not in jobs:
             sys.exit(f"charts: there is no chart '{name}'; there are {', '.join(jobs)}")

@@ -24,8 +24,9 @@ ROLLOUT = ("scene,grid,active_cells,method,integrator,steps,h,tolerance,threads,
 QUADRATURE = "scene,grid,active_cells,quadrature,cells_per_cell,steps,forward_ms,backward_ms,state_error"
 ADJOINT = ("scene,grid,active_cells,threshold,tolerance,adjoint_tolerance,adjoint_iterations,backward_ms,"
            "gradient_error")
+MODEL = "scene,grid,active_cells,model,steps,forward_ms,backward_ms,state_error,travel_error,gradient_error"
 PARTS = "scene,grid,active_cells,part,precision,threads,kib,bandwidth_gb_s,bound_us,time_us,times_bound,speed_up"
-WORDS = {"scene", "grid", "method", "integrator", "precision", "part", "quadrature"}
+WORDS = {"scene", "grid", "method", "integrator", "precision", "part", "quadrature", "model"}
 
 
 def require(good, *what):
@@ -125,6 +126,7 @@ def step(program):
         require(0 < gradient, "no error of the gradient at threshold", threshold)
     adjoints(program)
     quadratures(program)
+    models(program)
 
 
 def adjoints(program):
@@ -148,6 +150,27 @@ def quadratures(program):
     for name in ("full", "reduced"):
         require(error[name, 1] > 1.2 * error[name, 8] > 0, name, "does not gain from smaller cells:", error)
     require(error["reduced", 8] > error["reduced", 64], "the finest grids disagree:", error)
+
+
+def models(program):
+    """What moves in a plane is right there, and nearly so in two dimensions; without water nothing swims."""
+    rows = [r for scene, grid in (("eel", "24x8x8"), ("three", "32x30x14"))
+            for r in rows_of(program, MODEL, "--sweep", "model", "--scenes", scene, "--grid", grid, "--repeat", "1",
+                             "--steps", "10")]
+    found = {(r["scene"], r["model"]): r for r in rows}
+    require(set(found) == {("eel", m) for m in ("full", "planar", "plane", "no_water")}
+            | {("three", m) for m in ("full", "planar", "no_water")}, "rows of", set(found))
+    for (scene, name), row in found.items():
+        errors = [row[f"{kind}_error"] for kind in ("state", "travel", "gradient")]
+        if name == "full":
+            require(0 < errors[0] <= 1e-4 and max(errors) <= 1e-3, "the full scene is not its own answer:", row)
+        if scene == "three" and name == "planar":
+            require(row["state_error"] > 0.05, "wings that cannot beat make no difference:", row)
+        if name == "no_water":
+            require(row["state_error"] > 0.01 and row["travel_error"] > 0.1, "water makes no difference:", row)
+    eel = {m: found["eel", m] for m in ("planar", "plane")}
+    require(eel["planar"]["state_error"] <= 0.02 and eel["planar"]["travel_error"] <= 1e-3, "planar:", eel)
+    require(eel["plane"]["active_cells"] <= 24 * 8 and eel["plane"]["state_error"] <= 0.2, "in two dimensions:", eel)
 
 
 def parts(program):
@@ -238,6 +261,9 @@ def charts(_=None):
         write("step_quadrature", QUADRATURE, [
             ["eel", "40x8x8", 500 * size, name, size, 20, ms * size, ms * size, 0.3 / size]
             for name, ms in (("full", 10), ("reduced", 7)) for size in (1, 8)])
+        write("step_model", MODEL, [
+            ["eel", "40x8x8", 500, name, 20, ms, ms, error, 2 * error, 3 * error]
+            for name, ms, error in (("full", 5, 1e-7), ("planar", 5.1, 1e-3), ("plane", 1, 0.05), ("no_water", 6, 0.8))])
         write("step_scaling", STEP, [step_row("shipped", n, 0.02, "newton_pcg", 1e-6, threads, n ** 1.2 / threads, 1e-6)
                                      for n in (100, 1000) for threads in (1, 2)])
         write("rollout", ROLLOUT, [
@@ -262,7 +288,8 @@ def charts(_=None):
         done = subprocess.run([sys.executable, "-B", HERE / "charts.py", "--results", folder, "--charts", folder],
                               text=True, capture_output=True, check=False)
         require(done.returncode == 0, done.stdout, done.stderr)
-        for name in ("work_precision_eel", "threshold", "adjoint", "quadrature", "scaling", "rollout_eel", "barycenter", "schedule", "stability"):
+        for name in ("work_precision_eel", "threshold", "adjoint", "quadrature", "model", "scaling", "rollout_eel",
+                     "barycenter", "schedule", "stability"):
             path = folder / f"{name}.svg"
             require(path.exists(), name, "was not drawn:", done.stdout)
             texts = " ".join(xml.etree.ElementTree.parse(path).getroot().itertext())

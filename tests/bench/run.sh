@@ -60,6 +60,7 @@ if [ -n "$quick" ]; then
     bench bench_step --quick --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
     bench bench_step --quick --sweep adjoint --csv "$results/step_adjoint.csv"
     bench bench_step --quick --sweep quadrature --steps 5 --grid 24x8x8 --csv "$results/step_quadrature.csv"
+    bench bench_step --quick --sweep model --steps 20 --csv "$results/step_model.csv"
     bench bench_parts --quick --scenes eel --threads "$threads" --csv "$results/parts.csv"
     bench bench_step --quick --scaling --threads "$threads" --csv "$results/step_scaling.csv"
     bench bench_rollout --quick --seconds 1 --csv "$results/rollout.csv"
@@ -80,6 +81,7 @@ else
     bench bench_step --scenes "eel,$animals" --methods newton_pcg --sweep threshold --csv "$results/step_threshold.csv"
     bench bench_step --scenes "eel,$animals" --sweep adjoint --csv "$results/step_adjoint.csv"
     bench bench_step --scenes eel --sweep quadrature --steps 20 --repeat 3 --csv "$results/step_quadrature.csv"
+    bench bench_step --scenes "eel,$animals,three" --sweep model --steps 20 --repeat 3 --csv "$results/step_model.csv"
     bench bench_parts --scenes "eel,$animals,three" --threads "$threads" --csv "$results/parts.csv"
     bench bench_step --scaling --scenes "$animals" --threads "$threads" --repeat 15 \
         --csv "$results/step_scaling.csv"

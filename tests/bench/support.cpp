@@ -54,6 +54,12 @@ private:
     std::filesystem::path path_;
 };
 
+std::string next_space() {
+    static const Scratch scratch;
+    static int number = 0;
+    return scratch.file(number++);
+}
+
 void write_all(int to, const void* data, std::size_t bytes) {
     const char* at = static_cast<const char*>(data);
     while (bytes > 0) {
@@ -88,15 +94,31 @@ void ray_mesh(double span, double sweep, double tail, Vector& vertices, std::vec
         }
 }
 
+void add_muscle(dqa_shape_space* space, std::int32_t base, std::int32_t kind, const double (&mean)[3],
+                const double (&half)[3]) {
+    dqa_actuator_options muscle;
+    check(dqa_actuator_options_init(&muscle, sizeof muscle), "muscle");
+    muscle.kind = muscle.category = kind;
+    for (std::size_t a = 0; a < 3; ++a) {
+        muscle.mean[a] = mean[a];
+        muscle.variance[a] = half[a] * half[a] / (2.0 * std::numbers::ln2);
+    }
+    check(dqa_shape_space_add_actuator(space, base, &muscle), "muscle");
+}
+
+// Rays 1 m long, with muscles in their tails and in four layers of their wings.
 void add_rays(dqa_shape_space* space) {
     static constexpr double kRays[3][3] = {{1.2, 0.25, 0.2}, {1.1, 0.1, 0.4}, {1.15, 0.2, 0.3}};
     for (const auto& ray : kRays) {
         Vector vertices;
         std::vector<std::int32_t> triangles;
         ray_mesh(ray[0], ray[1], ray[2], vertices, triangles);
+        std::int32_t base = 0;
         check(dqa_shape_space_add_mesh(space, "ray", vertices.data(), static_cast<std::int64_t>(vertices.size() / 3),
-                                       triangles.data(), static_cast<std::int64_t>(triangles.size() / 3), nullptr),
+                                       triangles.data(), static_cast<std::int64_t>(triangles.size() / 3), &base),
               "ray");
+        add_muscle(space, base, DQA_ACTUATOR_CAUDAL, {-0.2, 0.0, 0.0}, {0.2, 0.06, 0.06});
+        add_muscle(space, base, DQA_ACTUATOR_FINS, {0.05, 0.25, 0.0}, {0.16, 0.16, 0.05});
     }
 }
 
@@ -119,23 +141,26 @@ Outcome run_library(const Scene& scene, const Setup& s) {
     o.method = s.method, o.integrator = s.integrator, o.material = s.material, o.threads = s.threads;
     o.threshold = s.threshold, o.tolerance = s.tolerance, o.adjoint_tolerance = s.adjoint_tolerance;
     o.time_step = s.time_step, o.linear_precision = s.precision, o.quadrature = s.quadrature;
+    o.planar = s.planar ? 1 : 0, o.water = s.water ? DQA_WATER_IMPLICIT : DQA_WATER_NONE;
     Simulator simulator;
     check(dqa_simulator_create(space.p, &o, &simulator.p), "simulator");
     const Vector weights(static_cast<std::size_t>(scene.n_bases), 1.0 / scene.n_bases);
     check(dqa_simulator_set_weights(simulator.p, weights.data(), scene.n_bases, nullptr, nullptr), "weights");
     dqa_simulator_info info;
     check(dqa_simulator_get_info(simulator.p, &info, sizeof info), "info");
-    const std::size_t size = 3 * static_cast<std::size_t>(info.n_nodes);
-    out.rest.resize(size), out.q.resize(size), out.mass.assign(size / 3, 0.0);
-    check(dqa_simulator_get_state(simulator.p, out.rest.data(), 3 * info.n_nodes, nullptr, 0), "state");
-    std::vector<std::int32_t> node(size / 3), corners(8 * static_cast<std::size_t>(info.n_active_cells));
+    const std::size_t nodes = static_cast<std::size_t>(info.n_nodes), ends = std::size_t{1} << info.dims;
+    const std::int64_t size = info.dims * info.n_nodes;
+    out.rest.resize(static_cast<std::size_t>(size)), out.q.resize(out.rest.size()), out.mass.assign(nodes, 0.0);
+    check(dqa_simulator_get_state(simulator.p, out.rest.data(), size, nullptr, 0), "state");
+    std::vector<std::int32_t> node(nodes), corners(ends * static_cast<std::size_t>(info.n_active_cells));
     Vector occupancy(static_cast<std::size_t>(info.n_active_cells));
     check(dqa_simulator_node_box_index(simulator.p, node.data(), info.n_nodes), "nodes");
-    check(dqa_simulator_mesh(simulator.p, corners.data(), 8 * info.n_active_cells, nullptr, 0, occupancy.data(),
-                             info.n_active_cells),
+    check(dqa_simulator_mesh(simulator.p, corners.data(), static_cast<std::int64_t>(corners.size()), nullptr, 0,
+                             occupancy.data(), info.n_active_cells),
           "mesh");
     out.node.assign(node.begin(), node.end());
-    for (std::size_t k = 0; k < corners.size(); ++k) out.mass[static_cast<std::size_t>(corners[k])] += occupancy[k / 8];
+    for (std::size_t k = 0; k < corners.size(); ++k)
+        out.mass[static_cast<std::size_t>(corners[k])] += occupancy[k / ends];
     dqa_tape_options tape_options;
     check(dqa_tape_options_init(&tape_options, sizeof tape_options), "tape options");
     tape_options.memory_bytes = static_cast<std::int64_t>(s.checkpoint);
@@ -154,7 +179,7 @@ Outcome run_library(const Scene& scene, const Setup& s) {
             check(dqa_simulator_step(simulator.p, signals.data(), shape.n_signals, tape.p), "step");
         }
         out.forward.push_back(milliseconds() - at);
-        check(dqa_simulator_get_state(simulator.p, out.q.data(), 3 * info.n_nodes, nullptr, 0), "state");
+        check(dqa_simulator_get_state(simulator.p, out.q.data(), size, nullptr, 0), "state");
         check(dqa_tape_objective(tape.p, &travel, 1, &out.loss, nullptr), "loss");
         check(dqa_adjoint_create(tape.p, &adjoint.p), "adjoint");
         check(dqa_adjoint_seed_objective(adjoint.p, &travel, 1), "seed");
@@ -328,9 +353,7 @@ std::string Scene::grid_text() const {
 
 std::optional<Scene> open_scene(const std::string& name, const std::string& data, const std::array<int, 3>& grid,
                                 int refine, double sigma) {
-    static const Scratch scratch;
-    static int number = 0;
-    Scene scene{name, {60, 16, 26}, scratch.file(number++), 2};
+    Scene scene{name, {60, 16, 26}, next_space(), 2};
     std::vector<std::string> meshes;
     const std::string shipped = DQA_SHAPES_DIR;
     if (name == "eel") {
@@ -358,7 +381,7 @@ std::optional<Scene> open_scene(const std::string& name, const std::string& data
         check(dqa_shape_space_options_init(&o, sizeof o), "options");
         o.cells_x = scene.grid[0], o.cells_y = scene.grid[1], o.cells_z = scene.grid[2];
         o.margin *= refine, o.sigma = sigma * refine;
-        o.automatic_fins = name == "three" ? 1 : 0;
+        if (name == "three") o.cell_size = 1.0 / (scene.grid[0] - 2 * o.margin);  // its muscles have places in metres
         Space space;
         check(dqa_shape_space_create(&o, &space.p), "space");
         for (const std::string& mesh : meshes)
@@ -369,6 +392,41 @@ std::optional<Scene> open_scene(const std::string& name, const std::string& data
         return {};
     });
     return scene;
+}
+
+std::optional<Scene> middle_plane(const Scene& scene, double sigma) {
+    const Scene plane{scene.name, {scene.grid[0], scene.grid[1], 1}, next_space(), scene.n_bases};
+    const auto [nx, ny, nz] = scene.grid;
+    const ChildResult built = in_child([&]() -> std::vector<Vector> {
+        Space solid, flat;
+        check(dqa_shape_space_load(scene.file.c_str(), &solid.p), "space");
+        dqa_shape_space_info info;
+        check(dqa_shape_space_get_info(solid.p, &info, sizeof info), "space");
+        if (info.n_signals != 1) return {};
+        dqa_shape_space_options o;
+        check(dqa_shape_space_options_init(&o, sizeof o), "options");
+        o.dims = 2, o.cells_x = nx, o.cells_y = ny, o.sigma = sigma, o.cell_size = info.cell_size;
+        check(dqa_shape_space_create(&o, &flat.p), "plane");
+        for (std::int32_t base = 0; base < info.n_bases; ++base) {
+            Vector cells(static_cast<std::size_t>(info.n_cells)), middle(static_cast<std::size_t>(nx * ny));
+            check(dqa_shape_space_get_base(solid.p, base, cells.data(), info.n_cells), "base");
+            for (std::size_t k = 0; k < middle.size(); ++k) {
+                const double* column = &cells[k * static_cast<std::size_t>(nz)];
+                middle[k] = 0.5 * (column[(nz - 1) / 2] + column[nz / 2]);
+            }
+            check(dqa_shape_space_add_density(flat.p, dqa_shape_space_base_name(solid.p, base), middle.data(), nx * ny,
+                                              nullptr),
+                  "plane of a base");
+            dqa_actuator_options muscle;
+            check(dqa_actuator_options_init(&muscle, sizeof muscle), "muscle");
+            check(dqa_shape_space_get_actuator(solid.p, base, 0, DQA_SIDE_BOTH, &muscle), "muscle");
+            check(dqa_shape_space_add_actuator(flat.p, base, &muscle), "muscle");
+        }
+        check(dqa_shape_space_build(flat.p, nullptr, nullptr), "build");
+        check(dqa_shape_space_save(flat.p, plane.file.c_str()), "save");
+        return {{1.0}};
+    });
+    return built.values.empty() ? std::nullopt : std::optional(plane);
 }
 
 double actuation(double time, int signal) {
@@ -389,6 +447,18 @@ Outcome run(const Scene& scene, const Setup& setup) {
     for (std::size_t k = 0; k < std::size(kVectors); ++k) out.*kVectors[k] = child.values.at(k + 1);
     out.peak_mib = child.peak_mib;
     return out;
+}
+
+Outcome in_the_middle(Outcome plane, const Scene& scene) {
+    const int layers = scene.grid[2] + 1;
+    for (double& node : plane.node) node = node * layers + scene.grid[2] / 2;
+    for (Vector* positions : {&plane.q, &plane.rest}) {
+        Vector lifted;
+        for (std::size_t k = 0; k < plane.node.size(); ++k)
+            lifted.insert(lifted.end(), {(*positions)[2 * k], (*positions)[2 * k + 1], 0.0});
+        *positions = std::move(lifted);
+    }
+    return plane;
 }
 
 double state_error(const Outcome& got, const Outcome& exact, const Scene& scene, int fine) {

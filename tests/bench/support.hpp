@@ -44,11 +44,14 @@ struct Scene {
 };
 
 // eel: the shipped eels, 40x8x8. shipped: clownfish and tuna, 60x16x26. orca_shark: Orca.stl and GreatWhiteShark.stl of
-// `data`, 60x16x26. three: three generated rays with fins, 60x54x14. Weights are equal. Another grid if grid[0] > 0;
-// refine = 2 halves the cells and keeps everything else as it is in metres; sigma is the width of the kernel in cells.
-// No value, and a message, where meshes are absent.
+// `data`, 60x16x26. three: three generated rays with muscles in tail and wings, 60x54x14. Weights are equal. Another
+// grid if grid[0] > 0; refine = 2 halves the cells and keeps everything else as it is in metres; sigma is the width of
+// the kernel in cells. No value, and a message, where meshes are absent.
 std::optional<Scene> open_scene(const std::string& name, const std::string& data, const std::array<int, 3>& grid = {},
                                 int refine = 1, double sigma = 0.4);
+// The scene in two dimensions: the plane through the middle of each base, with the same caudal muscles. No value for
+// bases with other muscles, which a plane does not have.
+std::optional<Scene> middle_plane(const Scene& scene, double sigma = 0.4);
 
 // ---------------------------------------------------------------- runs
 
@@ -57,12 +60,14 @@ constexpr int kReferenceMethod = 3;
 constexpr const char* kIntegrators[] = {"euler", "bdf2"};
 constexpr const char* kQuadratures[] = {"full", "reduced"};  // the reference has full
 constexpr const char* kPrecisions[] = {"single", "double"};  // of linear iterations
+constexpr const char* kModels[] = {"full", "planar", "plane", "no_water"};
 
 struct Setup {
     int method = 0, integrator = 0, material = 0, quadrature = 1, precision = 0, threads = 1;
     double threshold = 0.02, tolerance = 1e-6, adjoint_tolerance = 0.0;
     double time_step = 1.0 / 30.0;
     int steps = 5, repeat = 5;
+    bool planar = false, water = true;
     double budget = 60.0;   // s, after which no further repetition starts
     double checkpoint = 0;  // bytes of the tape; 0: no limit
 };
@@ -84,6 +89,8 @@ double actuation(double time, int signal);
 
 // In a child process.
 Outcome run(const Scene& scene, const Setup& setup);
+// What a plane gave, as nodes in the middle of `scene`, which do not move across it.
+Outcome in_the_middle(Outcome plane, const Scene& scene);
 
 // Displacements weighted by mass, |u - u_exact| / |u_exact|, over the nodes of `got`, which are among those of `exact`.
 // fine = 2: `exact` has cells of half the size.
