@@ -94,8 +94,9 @@ def draw(path, title, panels, width=1080, height=520):
                   f"set xlabel \"{escape(panel.x)}\"", f"set ylabel \"{escape(panel.y)}\""]
         for axis in panel.log:
             lines += [f"set logscale {axis}", f"set format {axis} '10^{{%L}}'"]
-        columns = 2 if all(len(c.label) < 20 for c in panel.curves) else 1
-        rows = (len(panel.curves) + columns - 1) // columns
+        labels = [c.label for c in panel.curves if c.label]
+        columns = 2 if all(len(label) < 20 for label in labels) else 1
+        rows = (len(labels) + columns - 1) // columns
         lines += [f"set key outside below center horizontal maxcols {columns} font ',11' samplen 2",
                   f"set bmargin {5 + rows}"] + panel.extra
         plots = []
