@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Four numbers of any alignment that are added and scaled at once, as a padded three-vector is.
+// Four numbers of any alignment that are added and scaled at once, as a padded three-vector is. The functions have
+// internal linkage, as sources that are compiled once per instruction set use them (simd_vector.hpp says why).
 #pragma once
 
 namespace dqa {
@@ -11,20 +12,20 @@ struct FourOf {
 template <class Real>
 using Four = typename FourOf<Real>::type;
 template <class Real>
-inline Four<Real>& four(Real* p) {
+static inline Four<Real>& four(Real* p) {
     return *reinterpret_cast<Four<Real>*>(p);
 }
 template <class Real>
-inline const Four<Real>& four(const Real* p) {
+static inline const Four<Real>& four(const Real* p) {
     return *reinterpret_cast<const Four<Real>*>(p);
 }
 // (p[0], p[1], p[2], 0)
 template <class Real>
-inline Four<Real> padded(const Real* p) {
+static inline Four<Real> padded(const Real* p) {
     return Four<Real>{p[0], p[1], p[2], Real(0)};
 }
 template <class Vector>
-inline double total(const Vector& v) {
+static inline double total(const Vector& v) {
     return static_cast<double>(v[0]) + static_cast<double>(v[1]) + static_cast<double>(v[2]) +
            static_cast<double>(v[3]);
 }

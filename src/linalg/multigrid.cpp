@@ -140,7 +140,8 @@ GridTransfer::GridTransfer(const std::vector<GridNode>& fine) {
 }
 
 template <class Real>
-Multigrid<Real>::Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, InstructionSet instructions) {
+Multigrid<Real>::Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, InstructionSet instructions)
+    : kernels_(grid_table<Real>(grid_kernels(instructions))) {
     while (nodes.size() > kCoarsest) {
         Level level;
         level.start = matrix.start, level.column = matrix.column;
@@ -215,50 +216,26 @@ const Real* Multigrid<Real>::cycle(std::size_t l, const GridTransfer& transfer, 
                                    Workspace& ws) const {
     Real *right = ws.right[l].data(), *x = ws.solution[l].data();
     const int n = static_cast<int>(ws.right[l].size() / 4);
+    const TransferRows down = transfer.rows();
     if (l == levels_.size()) {
         const PackedFactor::ReadBlocks<Real> read = [&](const int* blocks, int count, Real* values) {
-            for (int b = 0; b < count; ++b) four(values + 4 * b) = transfer.restricted(blocks[b], fine);
+            kernels_.restrict_to(down, blocks, count, fine, values);
         };
         coarsest_->solve(read, x, threads, ws.factor);
         return x;
     }
-    const Level& level = levels_[l];
-    const int *start = level.start.data(), *column = level.column.data();
-    const Real *block = level.block.data(), *inverse = level.inverse.data();
+    const LevelRows<Real> level = levels_[l].rows();
     Real* residual = ws.residual[l].data();
-    const auto residual_at = [&](int i) {
-        Four<Real> sum = {};
-        for (int k = start[i]; k < start[i + 1]; ++k) add_block(block + 12 * k, x + 4 * column[k], sum);
-        return Four<Real>(four(right + 4 * i) - sum);
-    };
-    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) {
-            Four<Real> sum = {};
-            four(right + 4 * i) = transfer.restricted(i, fine);
-            add_block(inverse + 12 * i, right + 4 * i, sum);
-            four(x + 4 * i) = sum;
-        }
-    });
-    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) four(residual + 4 * i) = residual_at(i);
-    });
-    const Real* coarse = cycle(l + 1, *level.transfer, residual, threads, ws);
-    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) {
-            four(x + 4 * i) += level.transfer->interpolated(i, coarse);
-        }
-    });
-    // Not in place: the residuals of other nodes still need the old values.
+    parallel_chunks(threads, n, kGrain,
+                    [&](int begin, int end) { kernels_.begin_smooth(level, down, fine, begin, end, right, x); });
+    parallel_chunks(threads, n, kGrain,
+                    [&](int begin, int end) { kernels_.residual(level, right, x, begin, end, residual); });
+    const Real* coarse = cycle(l + 1, *levels_[l].transfer, residual, threads, ws);
+    const TransferRows up = levels_[l].transfer->rows();
+    parallel_chunks(threads, n, kGrain, [&](int begin, int end) { kernels_.correct(up, coarse, begin, end, x); });
     Real* smoothed = residual;
-    parallel_chunks(threads, n, kGrain, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) {
-            Four<Real> sum = four(x + 4 * i);
-            const Four<Real> left = residual_at(i);
-            const Real flat[4] = {left[0], left[1], left[2], 0};
-            add_block(inverse + 12 * i, flat, sum);
-            four(smoothed + 4 * i) = sum;
-        }
-    });
+    parallel_chunks(threads, n, kGrain,
+                    [&](int begin, int end) { kernels_.end_smooth(level, right, x, begin, end, smoothed); });
     return smoothed;
 }
 

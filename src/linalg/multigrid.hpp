@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "grid/four.hpp"
 #include "grid/parallel.hpp"
+#include "linalg/grid_kernels.hpp"
 #include "linalg/packed_factor.hpp"
 
 namespace dqa {
@@ -26,11 +26,6 @@ inline void by_columns(const double* block, double scale, Real* out) {
         out[4 * column + 3] = 0;
     }
 }
-// y += M x for a 3 x 3 block stored by columns of four.
-template <class Real>
-inline void add_block(const Real* block, const Real* x, Four<Real>& y) {
-    y += four(block) * x[0] + four(block + 4) * x[1] + four(block + 8) * x[2];
-}
 
 // Trilinear interpolation between the nodes of a grid and those of one twice as coarse, by rows both ways.
 struct GridTransfer {
@@ -44,22 +39,9 @@ struct GridTransfer {
 
     explicit GridTransfer(const std::vector<GridNode>& fine);
 
-    // Q^T in at coarse node c
-    template <class Real>
-    Four<Real> restricted(int c, const Real* in) const {
-        Four<Real> sum = {};
-        for (int s = coarse_start[static_cast<std::size_t>(c)]; s < coarse_start[static_cast<std::size_t>(c) + 1]; ++s)
-            sum += static_cast<Real>(coarse_weight[static_cast<std::size_t>(s)]) *
-                   four(in + 4 * coarse_to[static_cast<std::size_t>(s)]);
-        return sum;
-    }
-    // Q coarse at fine node n; coarse [coarse.size() + 1][4], the last all zero.
-    template <class Real>
-    Four<Real> interpolated(int n, const Real* coarse_values) const {
-        const std::array<int, 8>& from = fine_from[static_cast<std::size_t>(n)];
-        const auto at = [&](std::size_t k) { return four(coarse_values + 4 * from[k]); };
-        return static_cast<Real>(fine_weight[static_cast<std::size_t>(n)]) *
-               (((at(0) + at(1)) + (at(2) + at(3))) + ((at(4) + at(5)) + (at(6) + at(7))));
+    TransferRows rows() const {
+        return {fine_from.data()->data(), fine_weight.data(), coarse_start.data(), coarse_to.data(),
+                coarse_weight.data()};
     }
     // Bytes that the two read.
     std::size_t bytes() const {
@@ -100,11 +82,13 @@ private:
         std::vector<Real> inverse;  // damped inverse of the diagonal blocks, [n][3 columns][4]
         std::unique_ptr<GridTransfer> transfer;
         int size() const { return static_cast<int>(start.size()) - 1; }
+        LevelRows<Real> rows() const { return {start.data(), column.data(), block.data(), inverse.data()}; }
     };
     void prepare(Workspace& ws) const;
     const Real* cycle(std::size_t level, const GridTransfer& transfer, const Real* fine, Threads threads,
                       Workspace& ws) const;
 
+    const GridKernels<Real>& kernels_;
     std::vector<Level> levels_;
     std::unique_ptr<PackedFactor> coarsest_;
 };

@@ -8,7 +8,7 @@ namespace dqa {
 namespace {
 
 constexpr int kGrain = 1024;      // entries of a chunk: the unit of ordered sums
-constexpr double kUpdate = 1e-2;  // what single precision may gain before it is checked
+constexpr double kUpdate = 1e-2;  // about what single precision may gain before it is checked
 constexpr double kTrusted = 0.1;  // of a tolerance: rounding that need not be
 
 }  // namespace
@@ -153,7 +153,9 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
     at.norm = 1.0;
     double exact = 1.0;  // the last residual that was computed in double precision
     while (result.iterations < max_iterations) {
-        const double goal = std::max(tolerance, kUpdate * exact);
+        // In equal rounds: a last one for half a digit would cost as much as the others.
+        const double left = tolerance / exact, rounds = std::max(1.0, std::round(std::log(left) / std::log(kUpdate)));
+        const double goal = std::max(tolerance, std::pow(left, 1.0 / rounds) * exact);
         result.iterations +=
             iterate(n, goal, max_iterations - result.iterations, single, threads, s, s.x.data(), false, at);
         if (!std::isfinite(at.norm)) break;

@@ -60,8 +60,8 @@ PcgResult pcg(std::size_t n, const double* b, double* x, double tolerance, int m
               const std::function<void(const double*, double*)>& apply,
               const std::function<void(const double*, double*)>& precondition, Threads threads, PcgWorkspace& ws,
               bool indefinite = false);
-// The same with iterations in single precision, which pass half the memory. Whenever they have gained two digits the
-// residual is computed anew in double precision, and the directions go on from there (reliable updates: Sleijpen &
+// The same with iterations in single precision, which pass half the memory. Whenever they have gained about two digits
+// the residual is computed anew in double precision, and the directions go on from there (reliable updates: Sleijpen &
 // van der Vorst 1996), also at the end, unless rounding(x), a bound of the rounding of A x in single precision, is far
 // below the tolerance: the result is as exact as the other's. Where single precision does not get on, or finds
 // curvature that is not positive, double precision takes over.

@@ -123,7 +123,8 @@ Preconditioner::Preconditioner(const ActiveSet& set, const std::vector<double>& 
                                const std::vector<int>& constrained,
                                const std::function<void(const double*, double*)>& apply,
                                std::unique_ptr<PackedFactor> factor, Precision precision, InstructionSet instructions)
-    : precision_(precision),
+    : kernels_(grid_kernels(instructions)),
+      precision_(precision),
       factor_(std::move(factor)),
       nodes_(set.node_ijk),
       transfer_(nodes_),
@@ -209,29 +210,15 @@ void Preconditioner::turn(const double* q, Threads threads, Workspace& ws) const
         turn_with(q, threads, ws, ws.double_precision);
 }
 
-// Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
-template <class Real, class T>
-void Preconditioner::turn_back(const T* in, double norm, int begin, int end, Scratch<Real>& scratch) {
-    const T scale = static_cast<T>(1.0 / norm);
-    const Real* turns = scratch.turns.data();
-    Real* turned = scratch.turned.data();
-    for (int n = begin; n < end; ++n) {
-        const T* v = in + 3 * n;
-        const Real x = static_cast<Real>(scale * v[0]), y = static_cast<Real>(scale * v[1]),
-                   z = static_cast<Real>(scale * v[2]);
-        const Real* r = turns + 12 * n;
-        for (int a = 0; a < 3; ++a) turned[4 * n + a] = r[4 * a] * x + r[4 * a + 1] * y + r[4 * a + 2] * z;
-        turned[4 * n + 3] = 0;
-    }
-}
-
 template <class Real, class T>
 double Preconditioner::descend_with(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads,
                                     Scratch<Real>& scratch) const {
     scratch.turned.resize(4 * nodes_.size());
+    const auto& kernels = turn_table<Real, T>(kernels_);
+    const T scale = static_cast<T>(1.0 / norm);
     return parallel_sum(threads, n_nodes(), kGrain, [&](int begin, int end) {
         for (int i = 3 * begin; i < 3 * end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
-        turn_back(r, norm, begin, end, scratch);
+        kernels.back(scratch.turns.data(), scale, r, begin, end, scratch.turned.data());
         return ordered_dot(r + 3 * begin, r + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
     });
 }
@@ -256,32 +243,25 @@ std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const
         std::fill(out, out + 3 * nodes_.size(), T(0));
         return {};
     }
-    const T size = static_cast<T>(norm);
+    // Scaled to unit size: single precision must not under- or overflow whatever the units of the right-hand side.
+    const T size = static_cast<T>(norm), scale = static_cast<T>(1.0 / norm);
     if constexpr (std::is_same_v<T, double>)
         if (factor_) factor_->solve(in, out, threads, ws.factor);
-    if (!descended) {
-        scratch.turned.resize(4 * nodes_.size());
+    const auto& kernels = turn_table<Real, T>(kernels_);
+    scratch.turned.resize(4 * nodes_.size());
+    const Real* turns = scratch.turns.data();
+    Real* turned = scratch.turned.data();
+    if (!descended)
         parallel_chunks(threads, n_nodes(), kGrain,
-                        [&](int begin, int end) { turn_back(in, norm, begin, end, scratch); });
-    }
-    const Real *turns = scratch.turns.data(), *turned = scratch.turned.data();
+                        [&](int begin, int end) { kernels.back(turns, scale, in, begin, end, turned); });
     const Real* coarse = parts.coarse->solve(transfer_, turned, threads, scratch.coarse);
     const Real share = factor_ ? static_cast<Real>(kFactorShare) : Real(1);
+    const Real* local = factor_ ? nullptr : parts.local.data();
+    const TransferRows transfer = transfer_.rows();
     const Products sums = parallel_total<Products>(threads, n_nodes(), kGrain, [&](int begin, int end) {
-        Four<T> with_in = {}, with_other = {};
-        for (int n = begin; n < end; ++n) {
-            Four<Real> sum = share * transfer_.interpolated(n, coarse);
-            if (!factor_) add_block(parts.local.data() + 12 * n, turned + 4 * n, sum);
-            Four<Real> back = {};
-            const Real flat[3] = {sum[0], sum[1], sum[2]};
-            add_block(turns + 12 * n, flat, back);
-            T* v = out + 3 * n;
-            Four<T> value = size * __builtin_convertvector(back, Four<T>);
-            if (factor_) value += padded(v);
-            for (int a = 0; a < 3; ++a) v[a] = value[a];
-            with_in += padded(in + 3 * n) * value, with_other += padded(other + 3 * n) * value;
-        }
-        return Products{total(with_in), total(with_other)};
+        double of_chunk[2];
+        kernels.out(turns, local, transfer, coarse, share, size, turned, in, other, begin, end, out, of_chunk);
+        return Products{of_chunk[0], of_chunk[1]};
     });
     return {sums.with_in, sums.with_other};
 }

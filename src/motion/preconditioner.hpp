@@ -76,9 +76,6 @@ private:
                const std::function<void(const double*, double*)>& apply, InstructionSet instructions);
     template <class Real>
     void turn_with(const double* q, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
-    // turned = R^T in / norm at nodes [begin, end)
-    template <class Real, class T>
-    static void turn_back(const T* in, double norm, int begin, int end, Scratch<Real>& scratch);
     template <class Real, class T>
     std::array<double, 2> solve_with(const Parts<Real>& parts, const T* in, double norm, bool descended, const T* other,
                                      T* out, Threads threads, Workspace& ws, Scratch<Real>& scratch) const;
@@ -87,6 +84,7 @@ private:
                         Scratch<Real>& scratch) const;
     int n_nodes() const { return static_cast<int>(nodes_.size()); }
 
+    const GridTables& kernels_;
     Precision precision_;
     std::unique_ptr<PackedFactor> factor_;
     std::vector<GridNode> nodes_;

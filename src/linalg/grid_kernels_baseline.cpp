@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define DQA_KERNEL_TABLE grid_kernels_baseline
+#include "linalg/grid_kernels_source.hpp"
