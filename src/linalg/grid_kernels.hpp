@@ -3,13 +3,14 @@
 // it do node by node. Vectors of a grid are [n][4] with the fourth entry 0, blocks (3 x 3) are by columns of four.
 #pragma once
 
+#include "grid/precision.hpp"
 #include "grid/simd.hpp"
 
 namespace dqa {
 
 // Of trilinear interpolation Q from coarse nodes to fine ones (GridTransfer).
 struct TransferRows {
-    const int* fine_from;      // [fine nodes][8] coarse nodes, those that are none: the one past the last
+    const int* fine_from;      // [fine nodes][8] coarse nodes, where there are fewer: the one past the last, all zero
     const float* fine_weight;  // [fine nodes], of each of the eight
     const int* coarse_start;   // compressed rows of Q^T
     const int* coarse_to;      // fine nodes
@@ -50,38 +51,21 @@ struct TurnKernels {
                 const Real* turned, const T* in, const T* other, int begin, int end, T* out, double* sums);
 };
 
+// By the precision of the grid, then by that of the vectors.
+template <class Real>
+struct TurnTables {
+    template <class T>
+    using Of = TurnKernels<Real, T>;
+    InBothPrecisions<Of> vectors;
+};
 struct GridTables {
-    GridKernels<float> single_grid;
-    GridKernels<double> double_grid;
-    TurnKernels<float, float> turn_single;
-    TurnKernels<float, double> turn_mixed;  // double vectors, a preconditioner in single precision
-    TurnKernels<double, float> turn_widened;
-    TurnKernels<double, double> turn_double;
+    InBothPrecisions<GridKernels> grid;
+    InBothPrecisions<TurnTables> turns;
 };
 
 const GridTables& grid_kernels(InstructionSet set);
 const GridTables& grid_kernels_baseline();
 const GridTables& grid_kernels_avx2();
 const GridTables& grid_kernels_avx512();
-
-// The tables by type.
-template <class Real>
-const GridKernels<Real>& grid_table(const GridTables& tables) {
-    if constexpr (sizeof(Real) == sizeof(float))
-        return tables.single_grid;
-    else
-        return tables.double_grid;
-}
-template <class Real, class T>
-const TurnKernels<Real, T>& turn_table(const GridTables& tables) {
-    if constexpr (sizeof(Real) == sizeof(float) && sizeof(T) == sizeof(float))
-        return tables.turn_single;
-    else if constexpr (sizeof(Real) == sizeof(float))
-        return tables.turn_mixed;
-    else if constexpr (sizeof(T) == sizeof(float))
-        return tables.turn_widened;
-    else
-        return tables.turn_double;
-}
 
 }  // namespace dqa

@@ -137,20 +137,23 @@ void turn_out(const Real* turns, const Real* local, const TransferRows& q, const
 }
 
 template <class Real>
-constexpr GridKernels<Real> grid_table_of() {
+constexpr GridKernels<Real> grid_table() {
     return {restrict_to<Real>, begin_smooth<Real>, residual<Real>, correct<Real>, end_smooth<Real>};
 }
 template <class Real, class T>
-constexpr TurnKernels<Real, T> turn_table_of() {
+constexpr TurnKernels<Real, T> turn_table() {
     return {back<Real, T>, turn_out<Real, T>};
+}
+template <class Real>
+constexpr TurnTables<Real> turn_tables() {
+    return {{turn_table<Real, double>(), turn_table<Real, float>()}};
 }
 
 }  // namespace
 
 const GridTables& DQA_KERNEL_TABLE() {
-    static const GridTables table = {grid_table_of<float>(),         grid_table_of<double>(),
-                                     turn_table_of<float, float>(),  turn_table_of<float, double>(),
-                                     turn_table_of<double, float>(), turn_table_of<double, double>()};
+    static const GridTables table = {{grid_table<double>(), grid_table<float>()},
+                                     {turn_tables<double>(), turn_tables<float>()}};
     return table;
 }
 

@@ -141,7 +141,7 @@ GridTransfer::GridTransfer(const std::vector<GridNode>& fine) {
 
 template <class Real>
 Multigrid<Real>::Multigrid(std::vector<GridNode> nodes, BlockMatrix matrix, InstructionSet instructions)
-    : kernels_(grid_table<Real>(grid_kernels(instructions))) {
+    : kernels_(grid_kernels(instructions).grid.in(Real())) {
     while (nodes.size() > kCoarsest) {
         Level level;
         level.start = matrix.start, level.column = matrix.column;

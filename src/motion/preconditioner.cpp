@@ -214,7 +214,7 @@ template <class Real, class T>
 double Preconditioner::descend_with(T step, const T* p, const T* ap, T* x, T* r, double norm, Threads threads,
                                     Scratch<Real>& scratch) const {
     scratch.turned.resize(4 * nodes_.size());
-    const auto& kernels = turn_table<Real, T>(kernels_);
+    const auto& kernels = kernels_.turns.in(Real()).vectors.in(T());
     const T scale = static_cast<T>(1.0 / norm);
     return parallel_sum(threads, n_nodes(), kGrain, [&](int begin, int end) {
         for (int i = 3 * begin; i < 3 * end; ++i) x[i] += step * p[i], r[i] -= step * ap[i];
@@ -247,7 +247,7 @@ std::array<double, 2> Preconditioner::solve_with(const Parts<Real>& parts, const
     const T size = static_cast<T>(norm), scale = static_cast<T>(1.0 / norm);
     if constexpr (std::is_same_v<T, double>)
         if (factor_) factor_->solve(in, out, threads, ws.factor);
-    const auto& kernels = turn_table<Real, T>(kernels_);
+    const auto& kernels = kernels_.turns.in(Real()).vectors.in(T());
     scratch.turned.resize(4 * nodes_.size());
     const Real* turns = scratch.turns.data();
     Real* turned = scratch.turned.data();

@@ -157,7 +157,7 @@ public:
         for (const double threshold : s_.thresholds)
             for (const double tolerance : s_.tolerances)
                 for (const double adjoint : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
-                    Setup setup = setup_of(s_, 0, 0, threshold, tolerance, static_cast<int>(s_.threads.front()));
+                    Setup setup = usual(threshold, tolerance);
                     setup.adjoint_tolerance = adjoint;
                     const auto got = measure(scene, setup);
                     const Outcome* truth = got ? exact(scene, threshold, 0, setup.quadrature) : nullptr;
@@ -177,15 +177,14 @@ public:
     void quadratures(const Scene& scene) {
         constexpr int kFinest = 4;
         const auto finest = open_scene(scene.name, s_.data, scene.grid, kFinest, s_.sigma);
-        Setup setup = setup_of(s_, 0, 0, s_.thresholds.front(), 1e-8, static_cast<int>(s_.threads.front()));
+        Setup setup = usual(s_.thresholds.front(), 1e-8);
         setup.quadrature = 0, setup.repeat = 1;
         const auto truth = finest ? measure(*finest, setup) : std::nullopt;
         if (!truth) return;
         for (int refine = 1; refine <= kFinest; refine *= 2)
             for (int quadrature = refine < kFinest ? 0 : 1; quadrature < 2; ++quadrature) {
                 const auto own = open_scene(scene.name, s_.data, scene.grid, refine, s_.sigma);
-                setup = setup_of(s_, 0, 0, s_.thresholds.front(), s_.tolerances.front(),
-                                 static_cast<int>(s_.threads.front()));
+                setup = usual(s_.thresholds.front(), s_.tolerances.front());
                 setup.quadrature = quadrature;
                 if (refine == kFinest) setup.repeat = 1;
                 const auto got = own ? measure(*own, setup) : std::nullopt;
@@ -209,8 +208,7 @@ public:
         const Outcome* truth = exact(scene, s_.thresholds.front(), 0, s_.quadrature, 1e-9);
         if (!truth) return;
         for (const std::string model : kModels) {
-            Setup setup =
-                setup_of(s_, 0, 0, s_.thresholds.front(), s_.tolerances.front(), static_cast<int>(s_.threads.front()));
+            Setup setup = usual(s_.thresholds.front(), s_.tolerances.front());
             setup.planar = model == "planar", setup.water = model != "no_water";
             const bool plane = model == "plane";
             const auto own = plane ? middle_plane(scene, s_.sigma) : std::optional(scene);
@@ -244,7 +242,7 @@ public:
         const dqa::ThresholdError estimate(space->box(), space->evaluate(weights, 0.0, 1, nullptr).p_hat,
                                            dqa::SceneSettings{});
         for (const double threshold : s_.thresholds) {
-            Setup setup = setup_of(s_, 0, 0, threshold, s_.tolerances.front(), static_cast<int>(s_.threads.front()));
+            Setup setup = usual(threshold, s_.tolerances.front());
             const auto got = measure(scene, setup);
             const Outcome* truth = got ? exact(scene, 0.0, 0, setup.quadrature, 1e-9) : nullptr;
             if (!truth) continue;
@@ -263,6 +261,11 @@ public:
     int failures() const { return failures_; }
 
 private:
+    // newton_pcg and implicit Euler with the first number of threads.
+    Setup usual(double threshold, double tolerance) const {
+        return setup_of(s_, 0, 0, threshold, tolerance, static_cast<int>(s_.threads.front()));
+    }
+
     std::optional<Outcome> measure(const Scene& scene, const Setup& setup) {
         try {
             return run(scene, setup);

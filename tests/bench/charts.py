@@ -5,7 +5,8 @@
     charts.py [--results DIR] [--charts DIR] [name ...]
 
 Names: work_precision_<scene>, rollout_<scene>, threshold, adjoint, quadrature, model, scaling, barycenter, schedule,
-stability; default all whose CSV files are there. Titles are made from the figures. A ring marks what the library does by default.
+stability; default all whose CSV files are there. Titles are made from the figures. A ring marks what the library does
+by default.
 """
 import argparse
 import csv

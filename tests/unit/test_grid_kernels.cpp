@@ -121,7 +121,7 @@ void grid_loops() {
         add_product(g.inverse.data() + 12 * i, left.data() + 3 * i, 1.0, false, smoothed.data() + 3 * i);
     }
     for (const InstructionSet set : kSets) {
-        const GridKernels<Real>& kernels = grid_table<Real>(grid_kernels(set));
+        const GridKernels<Real>& kernels = grid_kernels(set).grid.in(Real());
         const TransferRows rows = g.transfer.rows();
         std::vector<int> listed;
         for (int c = m; c-- > 0;) listed.push_back(c);
@@ -180,7 +180,7 @@ void turned_vectors() {
             add_product(g.turns.data() + 12 * k, sum, kSize, false, wanted.data() + 3 * k);
         }
         for (const InstructionSet set : kSets) {
-            const TurnKernels<Real, T>& kernels = turn_table<Real, T>(grid_kernels(set));
+            const TurnKernels<Real, T>& kernels = grid_kernels(set).turns.in(Real()).vectors.in(T());
             std::vector<Real> back(4 * nodes, Real(7));
             std::vector<T> out = beside;
             double with_in = 0.0, with_other = 0.0;
