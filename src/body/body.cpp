@@ -2,6 +2,7 @@
 #include "body/body.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace dqa {
 
@@ -27,19 +28,31 @@ Body::Body(const ActiveSet& set, const Elasticity& elasticity, const std::vector
 
 double Body::gradient(BodyWorkspace& ws, const double* q, const double* signals, Threads threads, double* elastic_out,
                       double* muscle_out) const {
-    ws.terms.resize(terms_.size());
-    ws.inverted = 0;
-    double energy = 0.0;
-    for (std::size_t t = 0; t < terms_.size(); ++t) {
-        energy += terms_[t]->gradient(ws.terms[t], q, signals, threads);
-        ws.inverted += ws.terms[t].inverted;
-    }
+    prepare(ws);
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { gradient_chunk(ws, q, signals, k); });
+    std::vector<NodeTerm<double>> forces;
+    list_forces(ws, forces);
     parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain, [&](int begin, int end) {
         for (double* out : {elastic_out, muscle_out}) std::fill(out + 3 * begin, out + 3 * end, 0.0);
-        for (std::size_t t = 0; t < terms_.size(); ++t)
-            terms_[t]->add_forces(ws.terms[t], begin, end, t < n_elastic_ ? elastic_out : muscle_out);
+        for (std::size_t t = 0; t < forces.size(); ++t)
+            add_term(forces[t], begin, end, t < n_elastic_ ? elastic_out : muscle_out);
     });
-    return energy;
+    return energy(ws);
+}
+
+void Body::prepare(BodyWorkspace& ws) const {
+    ws.terms.resize(terms_.size());
+    for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->prepare(ws.terms[t]);
+}
+
+double Body::energy(BodyWorkspace& ws) const {
+    double sum = 0.0;
+    ws.inverted = 0;
+    for (const TermWorkspace& term : ws.terms) {
+        sum += std::accumulate(term.energy.begin(), term.energy.end(), 0.0);
+        ws.inverted = std::accumulate(term.inverted.begin(), term.inverted.end(), ws.inverted);
+    }
+    return sum;
 }
 
 int Body::n_chunks() const {

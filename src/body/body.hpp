@@ -43,21 +43,33 @@ public:
     template <class T>
     void product(BodyWorkspace& ws, const T* p, Threads threads, T* out) const {
         parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
-        parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain,
-                        [&](int begin, int end) { add_forces(ws, begin, end, out); });
+        std::vector<NodeTerm<T>> forces;
+        list_forces(ws, forces);
+        parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain, [&](int begin, int end) {
+            for (const NodeTerm<T>& term : forces) add_term(term, begin, end, out);
+        });
     }
-    // The same in two parts, see EnergyTerm.
+    // Both in two parts, see EnergyTerm; energy() sums up what all chunks of a gradient have left.
     int n_chunks() const;
     int chunk_node(int k) const;
+    void prepare(BodyWorkspace& ws) const;
+    void gradient_chunk(BodyWorkspace& ws, const double* q, const double* signals, int k) const {
+        const auto [term, chunk] = at_chunk(k);
+        terms_[term]->gradient_chunk(ws.terms[term], q, signals, chunk);
+    }
+    double energy(BodyWorkspace& ws) const;
     template <class T>
     void product_chunk(BodyWorkspace& ws, const T* p, int k) const {
         const auto [term, chunk] = at_chunk(k);
         terms_[term]->product_chunk(ws.terms[term], p, chunk);
     }
+    // The forces of tissue, then of muscles, as terms of the sums on the nodes.
     template <class T>
-    void add_forces(const BodyWorkspace& ws, int begin, int end, T* out) const {
-        for (std::size_t t = 0; t < terms_.size(); ++t) terms_[t]->add_forces(ws.terms[t], begin, end, out);
+    void list_forces(const BodyWorkspace& ws, std::vector<NodeTerm<T>>& out) const {
+        for (std::size_t t = 0; t < terms_.size(); ++t) out.push_back(terms_[t]->template forces<T>(ws.terms[t]));
     }
+    int n_elastic_terms() const { return static_cast<int>(n_elastic_); }
+    int n_terms() const { return static_cast<int>(terms_.size()); }
     // The linearisation in single precision too, for products in it.
     void to_single(BodyWorkspace& ws, Threads threads) const;
     // Makes the linearisation positive semi-definite (fallback when curvature is negative).

@@ -66,24 +66,19 @@ const char* ElasticTerm::name() const {
     return names[static_cast<std::size_t>(kind_)];
 }
 
-double ElasticTerm::gradient(TermWorkspace& ws, const double* q, const double*, Threads threads) const {
-    make_room(ws);
-    std::vector<int> inverted(static_cast<std::size_t>(n_chunks()), 0);
-    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        const int chunk = begin / kBodyGrain;
-        kernels_.gradient(q, elements_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, begin, end,
-                          forces_of(elements_.sums(), chunk, ws.exact.force), ws.energy.data(), ws.exact.cache.data(),
-                          &inverted[static_cast<std::size_t>(chunk)]);
-    });
-    ws.inverted = std::accumulate(inverted.begin(), inverted.end(), 0);
-    return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
+void ElasticTerm::gradient_chunk(TermWorkspace& ws, const double* q, const double*, int k) const {
+    int& inverted = ws.inverted[static_cast<std::size_t>(k)];
+    inverted = 0;
+    kernels_.gradient(q, elements_.nodes(), weight_.exact.data(), shift_.data(), inv_dx_, slab_, first_of(k),
+                      last_of(k), elements_.sums().cleared(k, ws.exact.force), ws.energy.data(), ws.exact.cache.data(),
+                      &inverted);
 }
 
 template <class T>
 void ElasticTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
     Linearisation<T>& at = ws.in(T());
     kernels_.product.in(T())(p, elements_.nodes(), weight_.in(T()).data(), inv_dx_, first_of(k), last_of(k),
-                             at.cache.data(), forces_of(elements_.sums(), k, at.force));
+                             at.cache.data(), elements_.sums().cleared(k, at.force));
 }
 template void ElasticTerm::product_of(TermWorkspace&, const double*, int) const;
 template void ElasticTerm::product_of(TermWorkspace&, const float*, int) const;

@@ -14,7 +14,7 @@ public:
                 const std::vector<double>& lambda, InstructionSet instructions);
 
     const char* name() const override;
-    double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const override;
+    void gradient_chunk(TermWorkspace& ws, const double* q, const double* signals, int k) const override;
     void product_chunk(TermWorkspace& ws, const double* p, int k) const override { product_of(ws, p, k); }
     void product_chunk(TermWorkspace& ws, const float* p, int k) const override { product_of(ws, p, k); }
     void filter(TermWorkspace& ws) const override;

@@ -23,15 +23,9 @@ struct Linearisation {
 
 // Scratch of one term at one evaluation point; belongs to the caller.
 struct TermWorkspace : InBothPrecisions<Linearisation> {
-    std::vector<double> energy;
-    int inverted = 0;  // Gauss points with det F <= 0 at the last gradient
+    std::vector<double> energy;  // of the blocks
+    std::vector<int> inverted;   // Gauss points with det F <= 0 at the last gradient, of the chunks
 };
-
-// Chunk k of a term's forces, set to zero for a kernel to add to.
-template <class T>
-inline ChunkForces<T> forces_of(const ChunkedGather& sums, int k, std::vector<T>& force) {
-    return {sums.slots(), sums.cleared(k, force)};
-}
 
 // Cotangents of the body's parameters; every pointer may be added to.
 struct BodyBar {
@@ -45,16 +39,21 @@ class EnergyTerm {
 public:
     virtual ~EnergyTerm() = default;
     virtual const char* name() const = 0;
-    // Energy. Fills the linearisation, and leaves dE/dq as element forces for add_forces.
-    virtual double gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const = 0;
-    // H p at the last gradient, in two parts that other terms' may run beside: element forces of chunk k of n_chunks(),
-    // then out += their sums on the nodes [begin, end). In single precision once prepare_single has made room and
-    // to_single has copied all chunks; p has one number more than 3 n_nodes then, whose value does not matter.
+    // dE/dq in two parts that other terms' may run beside: element forces of chunk k of n_chunks(), with its energy and
+    // linearisation; then forces() tells their sums on the nodes. prepare makes room, at any time before.
+    virtual void gradient_chunk(TermWorkspace& ws, const double* q, const double* signals, int k) const = 0;
+    virtual void prepare(TermWorkspace& ws) const {
+        const std::size_t blocks = static_cast<std::size_t>(elements_.n_blocks());
+        ws.exact.force.resize(elements_.sums().size()), ws.exact.cache.resize(blocks * block_cache_);
+        ws.energy.resize(blocks), ws.inverted.assign(static_cast<std::size_t>(n_chunks()), 0);
+    }
+    // H p at the last gradient in the same way. In single precision once prepare_single has made room and to_single has
+    // copied all chunks; p has one number more than 3 n_nodes then, whose value does not matter.
     virtual void product_chunk(TermWorkspace& ws, const double* p, int k) const = 0;
     virtual void product_chunk(TermWorkspace& ws, const float* p, int k) const = 0;
     template <class T>
-    void add_forces(const TermWorkspace& ws, int begin, int end, T* out) const {
-        elements_.sums().gather().add(ws.in(T()).force.data(), T(1), begin, end, out);
+    NodeTerm<T> forces(const TermWorkspace& ws) const {
+        return elements_.sums().gather().term(ws.in(T()).force.data(), T(1));
     }
     void prepare_single(TermWorkspace& ws) const {
         ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());
@@ -85,11 +84,6 @@ protected:
     // Blocks of chunk k.
     int first_of(int k) const { return k * kBodyGrain; }
     int last_of(int k) const { return std::min(first_of(k) + kBodyGrain, elements_.n_blocks()); }
-    void make_room(TermWorkspace& ws) const {
-        const std::size_t blocks = static_cast<std::size_t>(elements_.n_blocks());
-        ws.exact.force.resize(elements_.sums().size()), ws.exact.cache.resize(blocks * block_cache_);
-        ws.energy.resize(blocks);
-    }
 
     BlockLayout elements_;
 

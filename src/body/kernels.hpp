@@ -15,21 +15,13 @@
 // Muscle energy (Min et al. 2019): weight/2 (|F m| - r)^2 per Gauss point. Cache: see muscle_kernels.hpp.
 #pragma once
 
-#include <cstdint>
-
+#include "grid/node_term.hpp"
 #include "grid/precision.hpp"
 #include "grid/simd.hpp"
 
 namespace dqa {
 
 constexpr int kMuscleCache = 8 * 3 * 8;
-
-// Where the blocks of a chunk leave their forces.
-template <class T>
-struct ChunkForces {
-    const std::uint16_t* slots;  // [block][8 corners][8 lanes]: places in `sum`
-    T* sum;                      // [nodes of the chunk][4], added to
-};
 
 // Hessian-vector products from the cache, in double and in single precision. In single precision p has one number more
 // than 3 n_nodes, whose value does not matter.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace dqa {
 namespace {
@@ -36,20 +35,19 @@ MuscleTerm::MuscleTerm(const ActiveSet& set, const std::vector<MuscleEntry>& mus
     fibres_.single.direction.assign(fibres_.exact.direction.begin(), fibres_.exact.direction.end());
 }
 
-double MuscleTerm::gradient(TermWorkspace& ws, const double* q, const double* signals, Threads threads) const {
-    make_room(ws);
+void MuscleTerm::prepare(TermWorkspace& ws) const {
+    EnergyTerm::prepare(ws);
     ws.exact.rest.resize(static_cast<std::size_t>(elements_.n_blocks()) * 8);
-    parallel_chunks(threads, elements_.n_blocks(), kBodyGrain, [&](int begin, int end) {
-        for (std::size_t e = static_cast<std::size_t>(begin) * 8; e < static_cast<std::size_t>(end) * 8; ++e) {
-            const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
-            ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
-        }
-        kernels_.muscle_gradient(q, elements_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
-                                 ws.exact.rest.data(), inv_dx_, begin, end,
-                                 forces_of(elements_.sums(), begin / kBodyGrain, ws.exact.force), ws.energy.data(),
-                                 ws.exact.cache.data());
-    });
-    return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
+}
+
+void MuscleTerm::gradient_chunk(TermWorkspace& ws, const double* q, const double* signals, int k) const {
+    for (std::size_t e = static_cast<std::size_t>(first_of(k)) * 8; e < static_cast<std::size_t>(last_of(k)) * 8; ++e) {
+        const MuscleEntry& m = muscles_[std::min(e, muscles_.size() - 1)];
+        ws.exact.rest[e] = 1.0 - m.sign * contraction_ * signals[m.signal];
+    }
+    kernels_.muscle_gradient(q, elements_.nodes(), fibres_.exact.direction.data(), fibres_.exact.weight.data(),
+                             ws.exact.rest.data(), inv_dx_, first_of(k), last_of(k),
+                             elements_.sums().cleared(k, ws.exact.force), ws.energy.data(), ws.exact.cache.data());
 }
 
 template <class T>
@@ -58,7 +56,7 @@ void MuscleTerm::product_of(TermWorkspace& ws, const T* p, int k) const {
     Linearisation<T>& at = ws.in(T());
     kernels_.muscle_product.in(T())(p, elements_.nodes(), fibres.direction.data(), fibres.weight.data(), at.rest.data(),
                                     inv_dx_, first_of(k), last_of(k), at.cache.data(),
-                                    forces_of(elements_.sums(), k, at.force));
+                                    elements_.sums().cleared(k, at.force));
 }
 template void MuscleTerm::product_of(TermWorkspace&, const double*, int) const;
 template void MuscleTerm::product_of(TermWorkspace&, const float*, int) const;

@@ -70,7 +70,7 @@ BlockLayout::BlockLayout(const ActiveSet& set, const std::vector<int>& element_c
             nodes_[static_cast<std::size_t>((e / 8) * 64 + k * 8 + e % 8)] =
                 3 * set.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(k)];
     }
-    sums_ = ChunkedGather(set.n_nodes(), nodes_, n_elements_, grain);
+    sums_ = ChunkedGather(set.n_nodes(), nodes_, 8, n_elements_, grain);
 }
 
 std::vector<double> BlockLayout::blocked(const std::vector<double>& values) const {

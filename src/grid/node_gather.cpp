@@ -14,19 +14,19 @@ NodeGather::NodeGather(int n_nodes, const std::vector<int>& node, const std::vec
         place_[static_cast<std::size_t>(fill[static_cast<std::size_t>(node[k])]++)] = place[k];
 }
 
-ChunkedGather::ChunkedGather(int n_nodes, const std::vector<int>& nodes, int n_elements, int grain)
+ChunkedGather::ChunkedGather(int n_nodes, const std::vector<int>& nodes, int corners, int n_elements, int grain)
     : slots_(nodes.size()) {
-    constexpr int kLanes = 8, kCorners = 8;
-    if (grain * kLanes * kCorners * 4 > 1 << 16) throw std::length_error("a chunk has more nodes than slots can tell");
-    const int n_blocks = static_cast<int>(nodes.size()) / (kLanes * kCorners);
+    constexpr int kLanes = 8;
+    if (grain * kLanes * corners * 4 > 1 << 16) throw std::length_error("a chunk has more nodes than slots can tell");
+    const int n_blocks = static_cast<int>(nodes.size()) / (kLanes * corners);
     std::vector<int> slot(static_cast<std::size_t>(n_nodes), -1), node, place;
     for (int first = 0; first < n_blocks; first += grain) {
         const int last = std::min(first + grain, n_blocks);
         const std::size_t start = begin_.back(), known = node.size();
         // Slots in the order of the elements: those that are added to together lie together.
         for (int e = first * kLanes; e < last * kLanes; ++e)
-            for (int corner = 0; corner < kCorners; ++corner) {
-                const std::size_t at = static_cast<std::size_t>((e / kLanes * kCorners + corner) * kLanes + e % kLanes);
+            for (int corner = 0; corner < corners; ++corner) {
+                const std::size_t at = static_cast<std::size_t>((e / kLanes * corners + corner) * kLanes + e % kLanes);
                 int& s = slot[static_cast<std::size_t>(nodes[at] / 3)];
                 if (s < 0 && e < n_elements) {
                     s = static_cast<int>(node.size() - known);

@@ -177,7 +177,7 @@ PcgResult mixed_pcg(std::size_t n, const double* b, double* x, double tolerance,
         exact = at.norm = scale * std::sqrt(rr);
         result.relative_residual = exact;
         if (exact <= tolerance) {
-            result.converged = true;
+            result.converged = result.left_residual = true;
             return result;
         }
         if (at.negative_curvature || !(exact < 0.1 * before)) break;

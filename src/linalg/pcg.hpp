@@ -23,6 +23,7 @@ struct PcgResult {
     double relative_residual = 0.0;  // |b - A x| / |b|
     bool converged = false;
     bool negative_curvature = false;  // x is then the iterate before it
+    bool left_residual = false;       // b - A x, computed anew, is in the workspace's exact.r
 };
 
 double ordered_dot(const double* a, const double* b, std::size_t n);

@@ -76,19 +76,17 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
     return false;
 }
 
-// Likewise of the adjoint system H lambda = rhs. What its residual r leaves of rigid motion is a push that every step
-// forgets: it adds up with the square of the number of steps, and a residual of 1e-8 leaves the gradient of a rollout
-// of ten thousand steps uncertain by two per cent. The way out is d = b^2 U U^T r, Newton's step where the mass alone
-// resists, as long as the best along it.
-void Stepper::balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance) {
+// Likewise of the adjoint system, whose residual r is in trial_. What r leaves of rigid motion is a push that every
+// step forgets: it adds up with the square of the number of steps, and a residual of 1e-8 leaves the gradient of a
+// rollout of ten thousand steps uncertain by two per cent. The way out is d = b^2 U U^T r, Newton's step where the mass
+// alone resists, as long as the best along it.
+void Stepper::balance_adjoint(const double* q, double tolerance) {
     if (free_ == RigidBalance::Free::none) return;
     const std::vector<double>& mass = design_->mass();
     const RigidBalance whole(free_, mass, piece_, q, threads_);
-    apply_hessian(lambda_.data(), trial_.data());
     const double size2 = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         double sum = 0.0;
         for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
-            trial_[i] -= rhs[i];
             sum += mass[i / 3] * lambda_[i] * lambda_[i];
         }
         return sum;

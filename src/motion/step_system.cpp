@@ -75,53 +75,38 @@ PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, b
 // Products come in two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
 template <class T>
 void Stepper::element_products(const T* p) {
-    const Body& body = design_->body();
-    const int of_body = body.n_chunks();
-    parallel_chunks(threads_, static_cast<int>(product_order_.size()), 1, [&](int place, int) {
-        const int k = product_order_[static_cast<std::size_t>(place)];
-        if (k < of_body)
-            body.product_chunk(body_, p, k);
-        else
-            design_->water()->product_chunk(water_, p, beta_, k - of_body);
-    });
+    const Water* water = design_->water();
+    const bool of_water = water && water->has_product();
+    on_elements([&](int k) { design_->body().product_chunk(body_, p, k); },
+                [&](int k) {
+                    if (of_water) water->product_chunk(water_, p, beta_, k);
+                });
 }
 
 template <class T>
-void Stepper::sum_products(const T* p, T kept, int begin, int end, T* out) const {
-    const double inv_h2 = 1.0 / (beta_ * beta_);
-    const double* mass = design_->mass().data();
-    if (kept == T(0)) std::fill(out + 3 * begin, out + 3 * end, T(0));
-    for (int n = begin; n < end; ++n) {
-        const T inertia = static_cast<T>(mass[n] * inv_h2);
-        for (int i = 3 * n; i < 3 * n + 3; ++i) out[i] = kept * out[i] + inertia * p[i];
-    }
-    design_->body().add_forces(body_, begin, end, out);
-    if (const Water* water = design_->water()) water->add_product(water_, begin, end, out);
+double Stepper::sum_products(const T* z, const double* free, T beta, T* p, T* ap) {
+    element_products(z);
+    std::vector<NodeTerm<T>>& forces = forces_.in(T());
+    forces.clear();
+    design_->body().list_forces(body_, forces);
+    const Water* water = design_->water();
+    if (water && water->has_product()) water->list_forces(water_, forces);
+    const double inv_b2 = 1.0 / (beta_ * beta_);
+    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
+        return kernels_.direct.in(T())(forces.data(), static_cast<int>(forces.size()), design_->mass().data(), inv_b2,
+                                       free, z, beta, begin, end, p, ap);
+    });
 }
 
 template <class T>
 double Stepper::full_product(const T* p, T* out) {
-    element_products(p);
-    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        sum_products(p, T(0), begin, end, out);
-        return ordered_dot(p + 3 * begin, out + 3 * begin, 3 * static_cast<std::size_t>(end - begin));
-    });
+    return sum_products<T>(p, nullptr, T(0), nullptr, out);
 }
 template double Stepper::full_product(const double*, double*);
 
 template <class T>
 double Stepper::direct(const T* z, T beta, T* p, T* ap) {
-    element_products(z);
-    const bool all_free = free_coordinate_.empty();
-    return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        const int from = 3 * begin, to = 3 * end;
-        sum_products(z, beta, begin, end, ap);
-        for (int i = from; !all_free && i < to; ++i)
-            ap[i] *= static_cast<T>(free_coordinate_[static_cast<std::size_t>(i)]);
-        if (beta == T(0)) std::fill(p + from, p + to, T(0));
-        for (int i = from; i < to; ++i) p[i] = z[i] + beta * p[i];
-        return ordered_dot(p + from, ap + from, static_cast<std::size_t>(to - from));
-    });
+    return sum_products(z, free_coordinate_.empty() ? nullptr : free_coordinate_.data(), beta, p, ap);
 }
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products

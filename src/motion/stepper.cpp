@@ -29,16 +29,6 @@ double extent_of(const std::vector<double>& q, double enough) {
     return extent;
 }
 
-// Sums over the nodes of an evaluation.
-struct ForceSums {
-    double inertia = 0.0;  // energy
-    double inertia2 = 0.0, water2 = 0.0, elastic2 = 0.0, muscle2 = 0.0, total2 = 0.0;
-    void operator+=(const ForceSums& o) {
-        inertia += o.inertia, inertia2 += o.inertia2, water2 += o.water2;
-        elastic2 += o.elastic2, muscle2 += o.muscle2, total2 += o.total2;
-    }
-};
-
 RigidBalance::Free free_motions(const Design& design) {
     const SceneSettings& scene = design.scene();
     const bool planar = scene.planar || design.space().box().dims == 2;
@@ -57,9 +47,10 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
       crew_(std::clamp(design_->set().n_cells() / kCellsPerThread, 1, scene_.threads)),
       size_(3 * static_cast<std::size_t>(design_->n_nodes())),
       extent_(extent_of(design_->rest(), std::numeric_limits<double>::infinity())),
-      energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()) {
-    for (auto* v : {&y_, &base_, &gradient_, &elastic_, &muscle_, &direction_, &trial_, &lambda_, &lag_q_, &lag_v_,
-                    &candidate_, &right_})
+      energy_rounding_(std::numeric_limits<double>::epsilon() * design_->body().cancelling()),
+      kernels_(step_kernels(scene_.instructions)) {
+    for (auto* v :
+         {&y_, &base_, &gradient_, &direction_, &trial_, &lambda_, &start_, &lag_q_, &lag_v_, &candidate_, &right_})
         v->assign(size_, 0.0);
     if (!design_->constrained().empty()) free_coordinate_.assign(size_, 1.0);
     for (const int i : design_->constrained()) free_coordinate_[static_cast<std::size_t>(i)] = 0.0;
@@ -71,12 +62,12 @@ Stepper::Stepper(std::shared_ptr<const Design> design)
     for (int k = 0; k < of_body; ++k) at.emplace_back(body.chunk_node(k), k);
     for (int k = 0; water && k < water->n_chunks(); ++k) at.emplace_back(water->chunk_node(k), of_body + k);
     std::sort(at.begin(), at.end());
-    for (const auto& chunk : at) product_order_.push_back(chunk.second);
+    for (const auto& chunk : at) element_order_.push_back(chunk.second);
     // Within a thread's share the dear ones first (tissue, then muscles, then faces): the cheap ones even out the end.
-    const int count = static_cast<int>(product_order_.size());
+    const int count = static_cast<int>(element_order_.size());
     for (int k = 0; k < crew_; ++k)
-        std::sort(product_order_.begin() + share_begin(k, crew_, count),
-                  product_order_.begin() + share_begin(k + 1, crew_, count));
+        std::sort(element_order_.begin() + share_begin(k, crew_, count),
+                  element_order_.begin() + share_begin(k + 1, crew_, count));
 }
 
 void Stepper::begin(const State& now, const StepInput& input) {
@@ -102,29 +93,26 @@ void Stepper::begin(const State& now, const StepInput& input) {
 }
 
 Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals) {
-    Evaluation e;
-    e.energy = design_->body().gradient(body_, q_new, signals, threads_, elastic_.data(), muscle_.data());
+    const Body& body = design_->body();
     const Water* water = design_->water();
-    if (water) e.energy += water->gradient_of_faces(water_, q_new, base_.data(), beta_, threads_);
-    const double inv_h2 = 1.0 / (beta_ * beta_);
-    const double* mass = design_->mass().data();
-    const bool all_free = free_coordinate_.empty();
+    body.prepare(body_);
+    on_elements([&](int k) { body.gradient_chunk(body_, q_new, signals, k); },
+                [&](int k) { water->gradient_chunk(water_, q_new, base_.data(), beta_, k); });
+    std::vector<NodeTerm<double>>& forces = forces_.exact;
+    forces.clear();
+    body.list_forces(body_, forces);
+    if (water) water->list_forces(water_, forces);
+    const ForceGroups groups = {body.n_elastic_terms(), body.n_terms(), static_cast<int>(forces.size())};
+    const double inv_b2 = 1.0 / (beta_ * beta_);
+    const double* free = free_coordinate_.empty() ? nullptr : free_coordinate_.data();
     const ForceSums sums = parallel_total<ForceSums>(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
-        ForceSums s;
-        const std::size_t first = 3 * static_cast<std::size_t>(begin), last = 3 * static_cast<std::size_t>(end);
-        std::fill(trial_.begin() + 3 * begin, trial_.begin() + 3 * end, 0.0);
-        if (water) water->add_gradient(water_, begin, end, trial_.data());
-        for (std::size_t i = first; i < last; ++i) {
-            const double d = q_new[i] - y_[i], f = mass[i / 3] * inv_h2 * d;
-            s.inertia += 0.5 * f * d, s.inertia2 += f * f, s.water2 += trial_[i] * trial_[i];
-            s.elastic2 += elastic_[i] * elastic_[i], s.muscle2 += muscle_[i] * muscle_[i];
-            const double sum = f + trial_[i] + elastic_[i] + muscle_[i];
-            gradient_[i] = all_free ? sum : free_coordinate_[i] * sum;
-            s.total2 += gradient_[i] * gradient_[i];
-        }
-        return s;
+        ForceSums of_chunk;
+        kernels_.balance(forces.data(), groups, design_->mass().data(), inv_b2, q_new, y_.data(), free, begin, end,
+                         gradient_.data(), of_chunk);
+        return of_chunk;
     });
-    e.energy += sums.inertia;
+    Evaluation e;
+    e.energy = body.energy(body_) + (water ? water->energy(water_) : 0.0) + sums.energy;
     e.outer = std::sqrt(sums.inertia2) + std::sqrt(sums.water2);
     e.scale = std::sqrt(sums.elastic2) + std::sqrt(sums.muscle2) + e.outer;
     e.residual = std::sqrt(sums.total2);

@@ -30,6 +30,7 @@
 #include "motion/design.hpp"
 #include "motion/rigid_balance.hpp"
 #include "motion/state.hpp"
+#include "motion/step_kernels.hpp"
 
 namespace dqa {
 
@@ -47,6 +48,9 @@ struct AdjointReport {
     bool direct = false;  // the Krylov solve failed and a factorisation took over
     double residual = 0.0;
 };
+
+template <class T>
+using NodeTerms = std::vector<NodeTerm<T>>;
 
 class Stepper {
 public:
@@ -66,6 +70,8 @@ public:
     // next_bar.before may be empty.
     AdjointReport adjoint(const State& now, const StepInput& input, const State& next, long step, const State& next_bar,
                           StepBar& out, DesignBar& bar);
+    // The adjoints that follow start from the solution of the last one.
+    void keep_solution() noexcept { start_.swap(lambda_); }
     // Pullback of the totals of a step to `next`: added to next_bar (q) and bar, the rest gives out (overwritten).
     void totals_pullback(const State& now, const StepInput& input, const State& next, const WaterTotals& totals_bar,
                          State& next_bar, StepBar& out, DesignBar& bar);
@@ -92,15 +98,24 @@ private:
             f(3 * static_cast<std::size_t>(begin), 3 * static_cast<std::size_t>(end));
         });
     }
+    // body(chunk) or water(chunk) on all elements.
+    template <class OnBody, class OnWater>
+    void on_elements(OnBody&& body, OnWater&& water) const {
+        const int of_body = design_->body().n_chunks();
+        parallel_chunks(threads_, static_cast<int>(element_order_.size()), 1, [&](int place, int) {
+            const int k = element_order_[static_cast<std::size_t>(place)];
+            k < of_body ? body(k) : water(k - of_body);
+        });
+    }
     template <class T>
     double apply_hessian(const T* p, T* out);  // of the free coordinates, the identity on the others; p.out
     template <class T>
     double full_product(const T* p, T* out);  // of all coordinates; p.out
     template <class T>
     void element_products(const T* p);
-    // out = kept out + H p at nodes [begin, end), from what element_products(p) left.
+    // See StepKernels::direct.
     template <class T>
-    void sum_products(const T* p, T kept, int begin, int end, T* out) const;
+    double sum_products(const T* z, const double* free, T beta, T* p, T* ap);
     template <class T>
     double direct(const T* z, T beta, T* p, T* ap);  // PcgProducts::direct
     void precondition(const double* in, double* out);
@@ -122,7 +137,8 @@ private:
     bool finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further);
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
-    void balance_adjoint(const double* q, const std::vector<double>& rhs, double tolerance);
+    PcgResult solve_adjoint(double tolerance);
+    void balance_adjoint(const double* q, double tolerance);
     static double share_of_motion(const Evaluation& now);
     double target(const Evaluation& now, double tolerances = 1.0) const;
     double forcing(const Evaluation& now) const;
@@ -155,15 +171,17 @@ private:
     double extent_;                        // of the body at rest (m)
     double energy_rounding_;               // of parts that cancel (J)
     std::vector<double> free_coordinate_;  // 1, or 0 where constrained; empty if all are free
-    std::vector<int> product_order_;       // chunks of body and water, as full_product takes them
+    std::vector<int> element_order_;       // chunks of body and water, as loops over the elements take them
     Threads threads_{1};                   // of the call in progress
     BodyWorkspace body_;
     WaterWorkspace water_;
     PcgWorkspace krylov_;
     Preconditioner::Workspace preconditioner_;
-    std::vector<double> y_, base_, gradient_, elastic_, muscle_, direction_, trial_, lambda_;
+    std::vector<double> y_, base_, gradient_, direction_, trial_, lambda_, start_;
     std::vector<double> lag_q_, lag_v_;  // lagged state; extrapolated in a two-step step
     std::vector<double> candidate_, right_;
+    const StepKernels& kernels_;
+    InBothPrecisions<NodeTerms> forces_;                 // of the elements: scratch of loops over the nodes
     InBothPrecisions<std::vector> masked_;               // scratch of apply_hessian
     std::array<std::vector<double>, 2> preconditioned_;  // scratch of shifted_direction
     bool two_step_ = false;

@@ -134,6 +134,7 @@ void Adjoint::backward(long to_step, const StepMonitor& monitor) {
         efforts(step, step_bar_.signals);
         control(step, now, step_bar_, theta_bar, bar);
         // Nothing throws until the cursor has moved.
+        stepper_.keep_solution();
         iterations_ += report.linear_iterations;
         worst_residual_ = std::max(worst_residual_, report.residual);
         std::swap(state_bar_, step_bar_.state), std::swap(bar_, bar), theta_bar_.swap(theta_bar);

@@ -2,19 +2,27 @@
 // Kernels of the water's forces over blocks of 8 faces, one table per instruction set.
 #pragma once
 
+#include "grid/node_term.hpp"
 #include "grid/precision.hpp"
 #include "grid/simd.hpp"
 
 namespace dqa {
 
-// force [face][4] of faces in blocks [begin, end): (cd m + ct n (n.m)) inv_h, m the mean of p over the corners. nodes
-// [block][4][8] holds 3 * node; cd, ct [block][8]; n [block][3][8]. In single precision p has one number more than
-// 3 n_nodes, whose value does not matter.
+// Of faces in blocks [begin, end): nodes [block][4][8] holds 3 * node; cd, ct, k [block][8]; n, u [block][3][8].
+
+// Adds (cd m + ct n (n.m)) inv_h / 4 to each corner, m the mean of p over the corners. In single precision p has one
+// number more than 3 n_nodes, whose value does not matter.
 template <class T>
 using WaterProduct = void (*)(const T* p, const int* nodes, const T* cd, const T* ct, const T* n, double inv_h,
-                              int begin, int end, T* force);
+                              int begin, int end, const ChunkForces<T>& force);
 
 struct WaterKernels {
+    // Adds f / 4 to each corner, f = cd v + (ct n.v + k) n. With u+ the mean of (q_new - q_base) / h over the corners
+    // less `current`: v = u+, and the energy h (cd |v|^2 / 2 + ct (n.v)^2 / 2 + k n.v). If u is given: v = u, and the
+    // energy h f.u+.
+    double (*gradient)(const double* q_new, const double* q_base, const int* nodes, const double* cd, const double* ct,
+                       const double* k, const double* n, const double* u, const double* current, double h, int begin,
+                       int end, const ChunkForces<double>& force);
     InBothPrecisions<WaterProduct> product;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "grid/parallel.hpp"
@@ -42,9 +43,9 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
       kernels_(water_kernels(instructions)) {
     const Box& box = set.box;
     const double eps = settings.surface_smoothing;
-    const auto add = [&](int low, int high, const std::array<std::array<int, 3>, 4>& corners) {
+    const auto add = [&](int axis, int low, int high, const std::array<std::array<int, 3>, 4>& corners) {
         Face f;
-        f.cell_low = low, f.cell_high = high;
+        f.axis = axis, f.cell_low = low, f.cell_high = high;
         const double jump = (low >= 0 ? occupancy[static_cast<std::size_t>(low)] : 0.0) -
                             (high >= 0 ? occupancy[static_cast<std::size_t>(high)] : 0.0);
         const double root = std::sqrt(jump * jump + eps * eps);
@@ -77,23 +78,26 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
                 std::array<std::array<int, 3>, 4> corners{ijk, ijk, ijk, ijk};
                 for (auto& corner : corners) corner[ax] += side;
                 corners[1][b] += 1, corners[2][b] += 1, corners[2][c] += 1, corners[3][c] += 1;
-                add(side ? a : neighbour, side ? neighbour : a, corners);
+                add(axis, side ? a : neighbour, side ? neighbour : a, corners);
             }
         }
     }
-    std::vector<int> node, place, corner;
-    for (std::size_t f = 0; f < faces_.size(); ++f)
-        for (const int n : faces_[f].nodes) {
-            node.push_back(n / 3), place.push_back(4 * static_cast<int>(f));
-            corner.push_back(static_cast<int>(corner.size()));
-        }
-    gather_ = NodeGather(set.n_nodes(), node, place);
+    // Faces across one axis have no two corners of a kind in one place: sums on the nodes then need not wait for each
+    // other.
+    for (std::size_t first = 0; first < faces_.size(); first += kChunk)
+        std::stable_sort(faces_.begin() + static_cast<std::ptrdiff_t>(first),
+                         faces_.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunk, faces_.size())),
+                         [](const Face& a, const Face& b) { return a.axis < b.axis; });
+    std::vector<int> node, corner;
+    for (const Face& face : faces_)
+        for (const int n : face.nodes) node.push_back(n / 3), corner.push_back(static_cast<int>(corner.size()));
     corners_ = NodeGather(set.n_nodes(), node, corner);
     const std::size_t blocks = (faces_.size() + 7) / 8;
     nodes_.resize(32 * blocks);
     for (std::size_t f = 0; f < 8 * blocks; ++f)
         for (std::size_t k = 0; k < 4; ++k)
             nodes_[f / 8 * 32 + 8 * k + f % 8] = faces_[std::min(f, faces_.size() - 1)].nodes[k];
+    sums_ = ChunkedGather(set.n_nodes(), nodes_, 4, n_faces(), kChunk / 8);
 }
 
 void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3& spine, const Vec3& current,
@@ -102,10 +106,11 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
     const std::size_t room = (nf + 7) / 8 * 8;
     const auto make_room = [&](auto& resistance) {
         resistance.cd.resize(room), resistance.ct.resize(room), resistance.n.resize(3 * room);
-        resistance.force.resize(4 * room);
+        resistance.force.resize(sums_.size());
     };
     make_room(ws.exact), make_room(ws.single);
-    ws.k.resize(nf), ws.area.resize(nf), ws.u.resize(3 * nf);
+    ws.k.resize(room), ws.u.resize(3 * room), ws.area.resize(nf);
+    ws.energy.resize(static_cast<std::size_t>(n_chunks()));
     ws.spine = spine, ws.current = current;
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     parallel_chunks(threads, n_faces(), kChunk, [&](int begin, int end) {
@@ -123,8 +128,10 @@ void Water::lag(WaterWorkspace& ws, const double* q, const double* v, const Vec3
             const double w = half_rho * std::fabs(f.weight) * area * counted(x);
             const WaterLaws::Angle angle = laws_.angle(x);
             ws.area[i] = area;
-            for (std::size_t k = 0; k < 3; ++k)
-                ws.exact.n[i / 8 * 24 + 8 * k + i % 8] = a[k] / area, ws.u[3 * i + k] = u[k];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t at = i / 8 * 24 + 8 * k + i % 8;
+                ws.exact.n[at] = a[k] / area, ws.u[at] = u[k];
+            }
             ws.exact.cd[i] = w * laws_.drag(angle).value * speed;
             ws.exact.ct[i] = w * laws_.thrust_slope(angle).value * lateral2 / speed;
             ws.k[i] = w * laws_.thrust_rest() * lateral2;
@@ -150,71 +157,52 @@ std::pair<Vec3, Vec3> Water::diagonals(const Face& f, const double* q) {
 
 Vec3 Water::force_velocity(const WaterWorkspace& ws, std::size_t i, const double* q_new, const double* q_base,
                            double inv_h) const {
-    return settings_.explicit_forces ? at(ws.u.data(), static_cast<int>(3 * i))
-                                     : new_velocity(ws, faces_[i], q_new, q_base, inv_h);
+    return settings_.explicit_forces ? ws.lagged(i) : new_velocity(ws, faces_[i], q_new, q_base, inv_h);
 }
 
 double Water::gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                        double* out) const {
-    const double energy = gradient_of_faces(ws, q_new, q_base, h, threads);
-    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
-                    [&](int begin, int end) { add_gradient(ws, begin, end, out); });
-    return energy;
+    parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { gradient_chunk(ws, q_new, q_base, h, k); });
+    add_forces(ws, threads, out);
+    return energy(ws);
 }
 
-double Water::gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
-                                Threads threads) const {
-    return parallel_sum(threads, n_faces(), kChunk, [&](int begin, int end) {
-        double e = 0.0;
-        for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-            const Vec3 u = force_velocity(ws, i, q_new, q_base, 1.0 / h);
-            const Vec3 n = ws.normal(i);
-            const double nu = dot(n, u);
-            double* force = ws.exact.force.data() + 4 * i;
-            for (std::size_t k = 0; k < 3; ++k)
-                force[k] = ws.exact.cd[i] * u[k] + (ws.exact.ct[i] * nu + ws.k[i]) * n[k];
-            if (settings_.explicit_forces) {
-                const Vec3 fresh = new_velocity(ws, faces_[i], q_new, q_base, 1.0 / h);
-                e += h * (force[0] * fresh[0] + force[1] * fresh[1] + force[2] * fresh[2]);
-            } else {
-                e += h * (0.5 * (ws.exact.cd[i] * dot(u, u) + ws.exact.ct[i] * nu * nu) + ws.k[i] * nu);
-            }
-        }
-        return e;
-    });
+void Water::gradient_chunk(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, int k) const {
+    WaterResistance<double>& at = ws.exact;
+    ws.energy[static_cast<std::size_t>(k)] =
+        kernels_.gradient(q_new, q_base, nodes_.data(), at.cd.data(), at.ct.data(), ws.k.data(), at.n.data(),
+                          settings_.explicit_forces ? ws.u.data() : nullptr, ws.current.data(), h, first_of(k),
+                          last_of(k), sums_.cleared(k, at.force));
 }
 
-int Water::n_chunks() const {
-    if (settings_.explicit_forces) return 0;  // constant during the step
-    return (n_faces() + kChunk - 1) / kChunk;
+double Water::energy(const WaterWorkspace& ws) const {
+    return std::accumulate(ws.energy.begin(), ws.energy.end(), 0.0);
 }
 
 template <class T>
 void Water::product(WaterWorkspace& ws, const T* p, double h, Threads threads, T* out) const {
+    if (!has_product()) return;
     parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, h, k); });
-    parallel_chunks(threads, gather_.n_nodes(), kNodeGrain,
-                    [&](int begin, int end) { add_product(ws, begin, end, out); });
+    add_forces(ws, threads, out);
 }
 template void Water::product(WaterWorkspace&, const double*, double, Threads, double*) const;
 template void Water::product(WaterWorkspace&, const float*, double, Threads, float*) const;
 
 template <class T>
 void Water::product_chunk(WaterWorkspace& ws, const T* p, double h, int k) const {
-    const int begin = k * (kChunk / 8), end = std::min(begin + kChunk / 8, (n_faces() + 7) / 8);
     WaterResistance<T>& at = ws.in(T());
-    kernels_.product.in(T())(p, nodes_.data(), at.cd.data(), at.ct.data(), at.n.data(), 1.0 / h, begin, end,
-                             at.force.data());
+    kernels_.product.in(T())(p, nodes_.data(), at.cd.data(), at.ct.data(), at.n.data(), 1.0 / h, first_of(k),
+                             last_of(k), sums_.cleared(k, at.force));
 }
 template void Water::product_chunk(WaterWorkspace&, const double*, double, int) const;
 template void Water::product_chunk(WaterWorkspace&, const float*, double, int) const;
 
 template <class T>
-void Water::add_product(const WaterWorkspace& ws, int begin, int end, T* out) const {
-    // a quarter to each corner
-    if (!settings_.explicit_forces) gather_.add(ws.in(T()).force.data(), T(0.25), begin, end, out);
+void Water::add_forces(const WaterWorkspace& ws, Threads threads, T* out) const {
+    const NodeTerm<T> forces = sums_.gather().term(ws.in(T()).force.data(), T(1));
+    parallel_chunks(threads, corners_.n_nodes(), kNodeGrain,
+                    [&](int begin, int end) { add_term(forces, begin, end, out); });
 }
-template void Water::add_product(const WaterWorkspace&, int, int, double*) const;
-template void Water::add_product(const WaterWorkspace&, int, int, float*) const;
 
 void WaterParameterBar::operator+=(const WaterParameterBar& o) {
     density += o.density;
@@ -230,7 +218,7 @@ void Water::face_pullback(WaterWorkspace& ws, std::size_t i, const Vec3& un, con
                           double wet_bar, const double* lag_q, SharedBar& shared) const {
     const double eps2 = settings_.speed_smoothing * settings_.speed_smoothing, half_rho = 0.5 * settings_.density;
     const Face& f = faces_[i];
-    const Vec3 n = ws.normal(i), u = at(ws.u.data(), static_cast<int>(3 * i));
+    const Vec3 n = ws.normal(i), u = ws.lagged(i);
     const double area = ws.area[i], nm = dot(n, m), nun = dot(n, un);
     const double cd_bar = dot(l, un), ct_bar = nm * nun, k_bar = nm;
     Vec3 n_bar{};

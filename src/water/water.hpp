@@ -15,6 +15,7 @@
 // that of the side on which a face lies.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -43,19 +44,22 @@ struct WaterSettings {
 template <class T>
 struct WaterResistance {
     std::vector<T> cd, ct, n;
-    std::vector<T> force;  // [n_faces][4], scratch of gradient and product
+    std::vector<T> force;  // of the chunks, scratch of gradient and product
 };
 
-// Lagged coefficients of every face, [n_faces] each, and the state they came from. In single precision a copy is kept.
+// Lagged coefficients of every face, and the state they came from. In single precision a copy is kept.
 struct WaterWorkspace : InBothPrecisions<WaterResistance> {
-    std::vector<double> k;
-    std::vector<double> area, u;  // |a|, and lagged relative velocity [n_faces][3]
+    std::vector<double> k, u;    // u: lagged relative velocity; both with the room of the others
+    std::vector<double> area;    // |a|, [n_faces]
+    std::vector<double> energy;  // of the chunks, at the last gradient
     // Scratch of the pullbacks, by face: cotangents of the new and the lagged velocity and of the two diagonals,
     // [n_faces][4][4], and of the occupancy jump.
     std::vector<double> face_bar, jump_bar;
 
-    Vec3 normal(std::size_t face) const {
-        const double* at = exact.n.data() + face / 8 * 24 + face % 8;
+    Vec3 normal(std::size_t face) const { return in_blocks(exact.n, face); }
+    Vec3 lagged(std::size_t face) const { return in_blocks(u, face); }
+    static Vec3 in_blocks(const std::vector<double>& vectors, std::size_t face) {
+        const double* at = vectors.data() + face / 8 * 24 + face % 8;
         return {at[0], at[8], at[16]};
     }
     Vec3 spine{}, current{};
@@ -92,23 +96,23 @@ public:
     // (q_new - q_base) / h.
     double gradient(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, Threads threads,
                     double* out) const;
-    // The same in two parts: forces of the faces and the value; then out += their sums on the nodes [begin, end).
-    double gradient_of_faces(WaterWorkspace& ws, const double* q_new, const double* q_base, double h,
-                             Threads threads) const;
-    void add_gradient(const WaterWorkspace& ws, int begin, int end, double* out) const {
-        gather_.add(ws.exact.force.data(), 0.25, begin, end, out);  // a quarter to each corner
-    }
     // out += H p.
     template <class T>
     void product(WaterWorkspace& ws, const T* p, double h, Threads threads, T* out) const;
-    // The same in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then out += their sums
-    // on the nodes [begin, end).
-    int n_chunks() const;
+    // Both in two parts that other terms' may run beside: forces of chunk k of n_chunks(), then list_forces tells their
+    // sums on the nodes. energy() adds up what all chunks of a gradient have left.
+    int n_chunks() const { return (n_faces() + kChunk - 1) / kChunk; }
     int chunk_node(int k) const { return faces_[static_cast<std::size_t>(k) * kChunk].nodes[0] / 3; }
+    void gradient_chunk(WaterWorkspace& ws, const double* q_new, const double* q_base, double h, int k) const;
+    double energy(const WaterWorkspace& ws) const;
     template <class T>
     void product_chunk(WaterWorkspace& ws, const T* p, double h, int k) const;
     template <class T>
-    void add_product(const WaterWorkspace& ws, int begin, int end, T* out) const;
+    void list_forces(const WaterWorkspace& ws, std::vector<NodeTerm<T>>& out) const {
+        out.push_back(sums_.gather().term(ws.in(T()).force.data(), T(1)));
+    }
+    // Forces of the lagged velocity do not change with the new one: their product is zero.
+    bool has_product() const { return !settings_.explicit_forces; }
     // Cotangents of lambda . gradient (q_new held): added to q_base_bar, those of the lagged state (lag_q its
     // positions) q_bar, v_bar and spine_bar, current_bar, parameter_bar, and occupancy_bar [n_active_cells].
     void pullback(WaterWorkspace& ws, const double* q_new, const double* q_base, const double* lag_q,
@@ -126,8 +130,14 @@ public:
                          WaterParameterBar& parameter_bar, double* occupancy_bar) const;
 
 private:
+    template <class T>
+    void add_forces(const WaterWorkspace& ws, Threads threads, T* out) const;
+    // Blocks of chunk k.
+    int first_of(int k) const { return k * (kChunk / 8); }
+    int last_of(int k) const { return std::min(first_of(k) + kChunk / 8, (n_faces() + 7) / 8); }
     struct Face {
         std::array<int, 4> nodes{};         // 3 * active node, counter-clockwise about the +axis
+        int axis = 0;                       // that it is across
         int cell_low = -1, cell_high = -1;  // active cells on both sides along the axis, -1 outside
         double span_1 = 0.0, span_2 = 0.0;  // z of the diagonals that nodes do not span: the slab's thickness in 2-D
         double weight = 0.0;                // signed: > 0 if the low side is fuller
@@ -163,7 +173,7 @@ private:
     std::vector<Face> faces_;
     const WaterKernels& kernels_;
     std::vector<int> nodes_;  // of the faces, [block][4][8]
-    NodeGather gather_;       // of the faces
+    ChunkedGather sums_;      // of the faces
     NodeGather corners_;      // of their corners: 4 face + corner
 };
 

@@ -83,6 +83,42 @@ void test_against_differences() {
     report_worst("step");
 }
 
+// A solution that was kept is where the next adjoint starts, which changes the way to the answer, not the answer.
+void test_kept_solution() {
+    const auto design = make_design(scene_of(Method::newton_pcg), {0.6, 0.4}, space());
+    Random random{21};
+    const std::size_t n = design->rest().size();
+    const double signal = 0.5;
+    const StepInput input = input_of(design, &signal);
+    const State now{design->rest(), swirl(design->rest(), 0.4), {}, {}};
+    Stepper stepper(design);
+    State next;
+    stepper.step(now, input, 0, next);
+    const Vector bar = random_vector(n, random), other = random_vector(n, random);
+    const auto adjoint = [&](const Vector& q_bar, Vector& q) {
+        StepBar out;
+        DesignBar design_bar = design->zero_bar();
+        const AdjointReport report =
+            stepper.adjoint(now, input, next, 0, {q_bar, Vector(n, 0.0), {}, {}}, out, design_bar);
+        q = out.state.q;
+        return report;
+    };
+    Vector cold, same, multiple, near, again;
+    const int iterations = adjoint(bar, cold).linear_iterations;
+    CHECK(iterations > 20 && adjoint(bar, same).linear_iterations == iterations && same == cold);
+    stepper.keep_solution();
+    CHECK(adjoint(plus(bar, -3.0, bar), multiple).linear_iterations == 0);  // -2 bar
+    CHECK(relative_difference(plus(multiple, 3.0, cold), cold) <= 1e-11);
+    stepper.keep_solution();
+    const AdjointReport close = adjoint(plus(bar, 1e-4, other), near);
+    CHECK(close.linear_iterations > 0 && close.linear_iterations < iterations - 5 && close.residual <= 1e-12);
+    const Cotangents alone = adjoint_of(design, now.q, now.v, signal, next.q, plus(bar, 1e-4, other));
+    CHECK(relative_difference(near, alone.q) <= 1e-11);
+    stepper.keep_solution();
+    CHECK(adjoint(other, again).residual <= 1e-12);  // from one that has little to do with it
+    CHECK(relative_difference(again, adjoint_of(design, now.q, now.v, signal, next.q, other).q) <= 1e-11);
+}
+
 // Everything a step reads, along random directions: a two-step step, constrained coordinates, both.
 void check_state(const SceneSettings& scene, std::uint64_t seed,
                  const std::shared_ptr<const ShapeSpace>& shapes = space()) {
@@ -226,9 +262,8 @@ void test_special_seeds() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_against_differences), TEST(test_two_steps_and_constraints),
-        TEST(test_methods_agree),       TEST(test_indefinite_hessian),
-        TEST(test_special_seeds),
+        TEST(test_against_differences), TEST(test_kept_solution),      TEST(test_two_steps_and_constraints),
+        TEST(test_methods_agree),       TEST(test_indefinite_hessian), TEST(test_special_seeds),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

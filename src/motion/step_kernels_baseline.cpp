@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#define DQA_KERNEL_TABLE step_kernels_baseline
+#include "motion/step_kernels_source.hpp"
