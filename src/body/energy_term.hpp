@@ -40,7 +40,7 @@ public:
     virtual ~EnergyTerm() = default;
     virtual const char* name() const = 0;
     // dE/dq in two parts that other terms' may run beside: element forces of chunk k of n_chunks(), with its energy and
-    // linearisation; then forces() tells their sums on the nodes. prepare makes room, at any time before.
+    // linearisation; then forces() tells their sums on the nodes. prepare makes room for it.
     virtual void gradient_chunk(TermWorkspace& ws, const double* q, const double* signals, int k) const = 0;
     virtual void prepare(TermWorkspace& ws) const {
         const std::size_t blocks = static_cast<std::size_t>(elements_.n_blocks());

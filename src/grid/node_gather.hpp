@@ -48,9 +48,9 @@ private:
     std::vector<int> start_, place_;  // compressed rows: entries of each node
 };
 
-// The same in two stages for elements in blocks of eight: a kernel adds up what the elements of a
-// chunk give to the nodes of that chunk, which stay in cache, and the nodes gather from the few chunks around them.
-// Neighbours share most nodes, so that far less passes through memory than a vector per corner.
+// The same in two stages for elements in blocks of eight: a kernel adds up what the elements of a chunk give to the
+// nodes of that chunk, which stay in cache, and the nodes gather from the few chunks around them. Neighbours share most
+// nodes, so that far less passes through memory than a vector per corner.
 class ChunkedGather {
 public:
     ChunkedGather() = default;

@@ -86,9 +86,8 @@ void Stepper::balance_adjoint(const double* q, double tolerance) {
     const RigidBalance whole(free_, mass, piece_, q, threads_);
     const double size2 = parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         double sum = 0.0;
-        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i) {
+        for (std::size_t i = 3 * static_cast<std::size_t>(begin); i < 3 * static_cast<std::size_t>(end); ++i)
             sum += mass[i / 3] * lambda_[i] * lambda_[i];
-        }
         return sum;
     });
     const std::vector<double> sums = whole.sums(trial_.data(), threads_);

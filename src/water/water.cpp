@@ -85,9 +85,10 @@ Water::Water(const ActiveSet& set, const std::vector<double>& occupancy, const W
     // Faces across one axis have no two corners of a kind in one place: sums on the nodes then need not wait for each
     // other.
     for (std::size_t first = 0; first < faces_.size(); first += kChunk)
-        std::stable_sort(faces_.begin() + static_cast<std::ptrdiff_t>(first),
-                         faces_.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunk, faces_.size())),
-                         [](const Face& a, const Face& b) { return a.axis < b.axis; });
+        std::sort(
+            faces_.begin() + static_cast<std::ptrdiff_t>(first),
+            faces_.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunk, faces_.size())),
+            [](const Face& a, const Face& b) { return std::pair(a.axis, a.nodes[0]) < std::pair(b.axis, b.nodes[0]); });
     std::vector<int> node, corner;
     for (const Face& face : faces_)
         for (const int n : face.nodes) node.push_back(n / 3), corner.push_back(static_cast<int>(corner.size()));
