@@ -45,9 +45,7 @@ public:
         parallel_chunks(threads, n_chunks(), 1, [&](int k, int) { product_chunk(ws, p, k); });
         std::vector<NodeTerm<T>> forces;
         list_forces(ws, forces);
-        parallel_chunks(threads, static_cast<int>(n_coordinates_ / 3), kNodeGrain, [&](int begin, int end) {
-            for (const NodeTerm<T>& term : forces) add_term(term, begin, end, out);
-        });
+        add_terms(forces, static_cast<int>(n_coordinates_ / 3), threads, out);
     }
     // Both in two parts, see EnergyTerm; energy() sums up what all chunks of a gradient have left.
     int n_chunks() const;

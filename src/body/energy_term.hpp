@@ -45,7 +45,7 @@ public:
     virtual void prepare(TermWorkspace& ws) const {
         const std::size_t blocks = static_cast<std::size_t>(elements_.n_blocks());
         ws.exact.force.resize(elements_.sums().size()), ws.exact.cache.resize(blocks * block_cache_);
-        ws.energy.resize(blocks), ws.inverted.assign(static_cast<std::size_t>(n_chunks()), 0);
+        ws.energy.resize(blocks), ws.inverted.resize(static_cast<std::size_t>(n_chunks()));
     }
     // H p at the last gradient in the same way. In single precision once prepare_single has made room and to_single has
     // copied all chunks; p has one number more than 3 n_nodes then, whose value does not matter.
@@ -53,7 +53,7 @@ public:
     virtual void product_chunk(TermWorkspace& ws, const float* p, int k) const = 0;
     template <class T>
     NodeTerm<T> forces(const TermWorkspace& ws) const {
-        return elements_.sums().gather().term(ws.in(T()).force.data(), T(1));
+        return elements_.sums().gather().term(ws.in(T()).force.data());
     }
     void prepare_single(TermWorkspace& ws) const {
         ws.single.force.resize(ws.exact.force.size()), ws.single.cache.resize(ws.exact.cache.size());

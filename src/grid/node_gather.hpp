@@ -21,8 +21,15 @@ void add_term(const NodeTerm<T>& term, int begin, int end, T* out) {
         T sum[3] = {};
         for (int s = term.start[n]; s < term.start[n + 1]; ++s)
             for (int k = 0; k < 3; ++k) sum[k] += term.values[term.place[s] + k];
-        for (int k = 0; k < 3; ++k) out[3 * n + k] += term.scale * sum[k];
+        for (int k = 0; k < 3; ++k) out[3 * n + k] += sum[k];
     }
+}
+// The same of several terms, for all nodes.
+template <class T>
+void add_terms(const std::vector<NodeTerm<T>>& terms, int n_nodes, Threads threads, T* out) {
+    parallel_chunks(threads, n_nodes, kNodeGrain, [&](int begin, int end) {
+        for (const NodeTerm<T>& term : terms) add_term(term, begin, end, out);
+    });
 }
 
 class NodeGather {
@@ -39,8 +46,8 @@ public:
     }
 
     template <class T>
-    NodeTerm<T> term(const T* values, T scale) const {
-        return {start_.data(), place_.data(), values, scale};
+    NodeTerm<T> term(const T* values) const {
+        return {start_.data(), place_.data(), values};
     }
     int n_nodes() const { return static_cast<int>(start_.size()) - 1; }
 

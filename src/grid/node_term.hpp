@@ -13,13 +13,12 @@ struct ChunkForces {
     T* sum;                      // [nodes of the chunk][4], added to
 };
 
-// What a gather gives to the nodes: node n has scale times the sum of the four numbers (the last 0) at values +
+// What a gather gives to the nodes: node n has the sum of the four numbers (the last 0) at values +
 // place[s], s from start[n] to start[n + 1].
 template <class T>
 struct NodeTerm {
     const int *start, *place;
     const T* values;
-    T scale;
 };
 
 }  // namespace dqa

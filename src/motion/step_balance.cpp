@@ -76,7 +76,7 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
     return false;
 }
 
-// Likewise of the adjoint system, whose residual r is in trial_. What r leaves of rigid motion is a push that every
+// Likewise of the adjoint system, whose residual r is in candidate_. What r leaves of rigid motion is a push that every
 // step forgets: it adds up with the square of the number of steps, and a residual of 1e-8 leaves the gradient of a
 // rollout of ten thousand steps uncertain by two per cent. The way out is d = b^2 U U^T r, Newton's step where the mass
 // alone resists, as long as the best along it.
@@ -90,7 +90,7 @@ void Stepper::balance_adjoint(const double* q, double tolerance) {
             sum += mass[i / 3] * lambda_[i] * lambda_[i];
         return sum;
     });
-    const std::vector<double> sums = whole.sums(trial_.data(), threads_);
+    const std::vector<double> sums = whole.sums(candidate_.data(), threads_);
     const double way = beta_ * beta_ * ordered_norm(sums.data(), sums.size());
     if (way <= kAdjointBalance * tolerance * std::sqrt(size2)) return;
     std::vector<double> d(size_, 0.0);
@@ -99,11 +99,11 @@ void Stepper::balance_adjoint(const double* q, double tolerance) {
         for (std::size_t i = 0; i < size_; ++i) d[i] += beta_ * beta_ * sums[m] * u[i];
     }
     double slope = 0.0, curvature = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) slope += d[i] * trial_[i];
+    for (std::size_t i = 0; i < size_; ++i) slope += d[i] * candidate_[i];
     apply_hessian(d.data(), trial_.data());
     for (std::size_t i = 0; i < size_; ++i) curvature += d[i] * trial_[i];
     if (!(curvature > 0.0)) return;
-    for (std::size_t i = 0; i < size_; ++i) lambda_[i] -= slope / curvature * d[i];
+    for (std::size_t i = 0; i < size_; ++i) lambda_[i] += slope / curvature * d[i];
 }
 
 }  // namespace dqa

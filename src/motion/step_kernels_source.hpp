@@ -10,7 +10,7 @@ template <class T>
 inline Four<T> force_on(const NodeTerm<T>& term, int n) {
     Four<T> sum = {};
     for (int s = term.start[n]; s < term.start[n + 1]; ++s) sum += four(term.values + term.place[s]);
-    return term.scale * sum;
+    return sum;
 }
 
 template <class T>

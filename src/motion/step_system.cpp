@@ -74,23 +74,18 @@ PcgResult Stepper::solve_hessian(const double* b, double* x, double tolerance, b
 
 // Products come in two parallel loops: the forces of cells, fibres and faces, then their sums on the nodes.
 template <class T>
-void Stepper::element_products(const T* p) {
+double Stepper::sum_products(const T* z, const double* free, T beta, T* p, T* ap) {
+    const Body& body = design_->body();
     const Water* water = design_->water();
     const bool of_water = water && water->has_product();
-    on_elements([&](int k) { design_->body().product_chunk(body_, p, k); },
+    on_elements([&](int k) { body.product_chunk(body_, z, k); },
                 [&](int k) {
-                    if (of_water) water->product_chunk(water_, p, beta_, k);
+                    if (of_water) water->product_chunk(water_, z, beta_, k);
                 });
-}
-
-template <class T>
-double Stepper::sum_products(const T* z, const double* free, T beta, T* p, T* ap) {
-    element_products(z);
     std::vector<NodeTerm<T>>& forces = forces_.in(T());
     forces.clear();
-    design_->body().list_forces(body_, forces);
-    const Water* water = design_->water();
-    if (water && water->has_product()) water->list_forces(water_, forces);
+    body.list_forces(body_, forces);
+    if (of_water) water->list_forces(water_, forces);
     const double inv_b2 = 1.0 / (beta_ * beta_);
     return parallel_sum(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         return kernels_.direct.in(T())(forces.data(), static_cast<int>(forces.size()), design_->mass().data(), inv_b2,
@@ -106,7 +101,7 @@ template double Stepper::full_product(const double*, double*);
 
 template <class T>
 double Stepper::direct(const T* z, T beta, T* p, T* ap) {
-    return sum_products(z, free_coordinate_.empty() ? nullptr : free_coordinate_.data(), beta, p, ap);
+    return sum_products(z, free_or_null(), beta, p, ap);
 }
 
 // The exact Hessian as a matrix, by probing: nodes of equal coordinates modulo 3 are not coupled, so 27 x 3 products

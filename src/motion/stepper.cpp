@@ -104,11 +104,10 @@ Stepper::Evaluation Stepper::evaluate(const double* q_new, const double* signals
     if (water) water->list_forces(water_, forces);
     const ForceGroups groups = {body.n_elastic_terms(), body.n_terms(), static_cast<int>(forces.size())};
     const double inv_b2 = 1.0 / (beta_ * beta_);
-    const double* free = free_coordinate_.empty() ? nullptr : free_coordinate_.data();
     const ForceSums sums = parallel_total<ForceSums>(threads_, design_->n_nodes(), kNodeGrain, [&](int begin, int end) {
         ForceSums of_chunk;
-        kernels_.balance(forces.data(), groups, design_->mass().data(), inv_b2, q_new, y_.data(), free, begin, end,
-                         gradient_.data(), of_chunk);
+        kernels_.balance(forces.data(), groups, design_->mass().data(), inv_b2, q_new, y_.data(), free_or_null(), begin,
+                         end, gradient_.data(), of_chunk);
         return of_chunk;
     });
     Evaluation e;

@@ -98,6 +98,8 @@ private:
             f(3 * static_cast<std::size_t>(begin), 3 * static_cast<std::size_t>(end));
         });
     }
+    // free_coordinate_ as kernels take it.
+    const double* free_or_null() const { return free_coordinate_.empty() ? nullptr : free_coordinate_.data(); }
     // body(chunk) or water(chunk) on all elements.
     template <class OnBody, class OnWater>
     void on_elements(OnBody&& body, OnWater&& water) const {
@@ -111,8 +113,6 @@ private:
     double apply_hessian(const T* p, T* out);  // of the free coordinates, the identity on the others; p.out
     template <class T>
     double full_product(const T* p, T* out);  // of all coordinates; p.out
-    template <class T>
-    void element_products(const T* p);
     // See StepKernels::direct.
     template <class T>
     double sum_products(const T* z, const double* free, T beta, T* p, T* ap);

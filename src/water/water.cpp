@@ -200,9 +200,9 @@ template void Water::product_chunk(WaterWorkspace&, const float*, double, int) c
 
 template <class T>
 void Water::add_forces(const WaterWorkspace& ws, Threads threads, T* out) const {
-    const NodeTerm<T> forces = sums_.gather().term(ws.in(T()).force.data(), T(1));
-    parallel_chunks(threads, corners_.n_nodes(), kNodeGrain,
-                    [&](int begin, int end) { add_term(forces, begin, end, out); });
+    std::vector<NodeTerm<T>> forces;
+    list_forces(ws, forces);
+    add_terms(forces, corners_.n_nodes(), threads, out);
 }
 
 void WaterParameterBar::operator+=(const WaterParameterBar& o) {

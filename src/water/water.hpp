@@ -109,7 +109,7 @@ public:
     void product_chunk(WaterWorkspace& ws, const T* p, double h, int k) const;
     template <class T>
     void list_forces(const WaterWorkspace& ws, std::vector<NodeTerm<T>>& out) const {
-        out.push_back(sums_.gather().term(ws.in(T()).force.data(), T(1)));
+        out.push_back(sums_.gather().term(ws.in(T()).force.data()));
     }
     // Forces of the lagged velocity do not change with the new one: their product is zero.
     bool has_product() const { return !settings_.explicit_forces; }

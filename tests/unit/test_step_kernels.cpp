@@ -39,16 +39,14 @@ struct Forces {
                     node.push_back(n), place.push_back(4 * ((7 * n + 11 * s + kind) % kPlaces));
                     for (int a = 0; a < 3; ++a)
                         sum[static_cast<std::size_t>(3 * n + a)] +=
-                            scale(kind) * static_cast<double>(value[static_cast<std::size_t>(place.back() + a)]);
+                            static_cast<double>(value[static_cast<std::size_t>(place.back() + a)]);
                 }
             gathers.emplace_back(kNodes, node, place), values.push_back(value), sums.push_back(sum);
         }
     }
-    static double scale(int kind) { return 1.0 - 0.25 * kind; }
     std::vector<NodeTerm<T>> terms() const {
         std::vector<NodeTerm<T>> out;
-        for (std::size_t k = 0; k < 3; ++k)
-            out.push_back(gathers[k].term(values[k].data(), static_cast<T>(scale(static_cast<int>(k)))));
+        for (std::size_t k = 0; k < 3; ++k) out.push_back(gathers[k].term(values[k].data()));
         return out;
     }
 };
