@@ -345,7 +345,11 @@ typedef struct dqa_simulator_options {
     double threshold;            /* tau in [0, 0.5): cells whose density exceeds it are simulated; default 0.02 */
     double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
     double tolerance;            /* force residual relative to the forces (to the rounding of positions where forces
-                                    vanish) at which a step stops; default 1e-6 */
+                                    vanish) at which a step stops, in (0, 1); default 1e-6. It also stops only where the
+                                    error of the new positions, as Newton's correction estimates it, is at most 5
+                                    `tolerance` of the way moved in the step, in the norm of the mass, and 50 `tolerance`
+                                    over all nodes alike, nearly empty cells among them (ways count as 1e-4 cells at
+                                    least); otherwise it is corrected further */
     double adjoint_tolerance;    /* relative residual of the adjoint's linear solves, in [0, 1); default 0: 0.3 `tolerance`
                                     on a tape of up to 100 steps, and on a longer one so much less that what is left does
                                     not add up; less also where forces in a stiff body are far larger than what moves
@@ -364,9 +368,14 @@ typedef struct dqa_simulator_options {
     int32_t linear_precision;    /* DQA_PRECISION_*: default DQA_PRECISION_SINGLE. Of the iterations of linear solves
                                     with DQA_PRECONDITIONER_MULTILEVEL, whose residuals are checked in double
                                     precision, so that results are as exact with both; of the preconditioner alone
-                                    with DQA_PRECONDITIONER_FACTOR. All else is in double precision */
+                                    with DQA_PRECONDITIONER_FACTOR. All else is in double precision. Where inertia is so
+                                    small beside stiffness that single precision loses it (small or stiff bodies, long
+                                    steps) double precision is taken */
     int32_t quadrature;          /* DQA_QUADRATURE_*: default DQA_QUADRATURE_REDUCED */
     int32_t padding;             /* must be 0 */
+    int64_t max_products;        /* products with the Hessian that a step may take, >= 1: a bound of its work. A step that
+                                    has taken so many, and by then ends no linear solve, fails with DQA_NOT_CONVERGED.
+                                    Default 200000; ordinary steps take tens to hundreds. */
 } dqa_simulator_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_simulator_options) as the caller compiled it. */
@@ -671,6 +680,8 @@ typedef struct dqa_tape_statistics {
     int64_t recomputed_steps;    /* steps computed again by backward sweeps and reads so far */
     int64_t rescued_steps;       /* recorded steps in which the method of the options failed and another one, slower and
                                     for the same equations, found the answer */
+    int64_t indefinite_steps;    /* recorded steps that met negative curvature on their way: their energy is not convex,
+                                    and another equilibrium than the one found may exist. */
 } dqa_tape_statistics;
 /* `size` is sizeof(dqa_tape_statistics) as the caller compiled it. */
 DQA_API dqa_status dqa_tape_stats(const dqa_tape *tape, dqa_tape_statistics *statistics, uint64_t size);

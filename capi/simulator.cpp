@@ -23,7 +23,7 @@ dqa_simulator_options default_options() {
     o.method = DQA_METHOD_NEWTON_PCG;
     o.water = DQA_WATER_IMPLICIT;
     o.quadrature = static_cast<int32_t>(s.quadrature);
-    o.max_newton = s.max_newton, o.max_linear = s.max_linear;
+    o.max_newton = s.max_newton, o.max_linear = s.max_linear, o.max_products = s.max_products;
     o.time_step = s.time_step;
     o.young_modulus = s.young_modulus, o.poisson_ratio = s.poisson_ratio, o.density = s.density;
     o.muscle_stiffness = s.muscle_stiffness, o.contraction = s.contraction;
@@ -64,6 +64,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
                   "linear_precision", "DQA_PRECISION_SINGLE or DQA_PRECISION_DOUBLE");
     require_range(o.max_newton, o.max_newton >= 1, "max_newton", "at least 1");
     require_range(o.max_linear, o.max_linear >= 1, "max_linear", "at least 1");
+    require_range(static_cast<double>(o.max_products), o.max_products >= 1, "max_products", "at least 1");
     require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
                   "a number in [0, 3]");
     require_range(o.time_step, o.time_step > 0, "time_step", "a time > 0 (s)");
@@ -103,7 +104,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     s.water = o.water != DQA_WATER_NONE;
     s.hydrodynamics.explicit_forces = o.water == DQA_WATER_EXPLICIT;
     s.hydrodynamics.windward_only = o.water_faces == DQA_FACES_WINDWARD;
-    s.max_newton = o.max_newton, s.max_linear = o.max_linear;
+    s.max_newton = o.max_newton, s.max_linear = o.max_linear, s.max_products = o.max_products;
     s.instructions = static_cast<dqa::InstructionSet>(o.instruction_set);
     s.preconditioner = static_cast<dqa::PreconditionerKind>(o.preconditioner);
     s.precision = static_cast<dqa::Precision>(o.linear_precision);

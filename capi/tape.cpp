@@ -219,7 +219,7 @@ dqa_status dqa_tape_stats(const dqa_tape* tape, dqa_tape_statistics* statistics,
         out.worst_residual = s.worst_residual;
         out.checkpoints = state.tape->n_kept();
         out.recomputed_steps = state.tape->recomputed_steps();
-        out.rescued_steps = s.rescued_steps;
+        out.rescued_steps = s.rescued_steps, out.indefinite_steps = s.indefinite_steps;
         out.worst_adjoint_residual = state.worst_adjoint_residual.load();
         write_struct(statistics, size, out, "statistics");
     });

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "grid/error.hpp"
 #include "linalg/nested_dissection.hpp"
 
 namespace dqa {
 namespace {
+
+constexpr double kSingle = 1e-2;  // of inertia: what single precision may lose of the stiffness
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -78,6 +81,7 @@ void Design::assemble() {
     make_spine();
     make_constraints();
     make_diagonal();
+    choose_precision();
     make_preconditioner();
     surface_ = box.dims == 2 ? extract_contour(box, point_.p_hat.data(), 0.5)
                              : extract_isosurface(box, point_.p_hat.data(), 0.5);
@@ -124,9 +128,29 @@ void Design::make_diagonal() {
     const std::vector<Vec3> stiffness = body_->preconditioner_stiffness();
     diagonal_.assign(mass_.size(), 0.0);
     for (std::size_t n = 0; n < mass_.size(); ++n) diagonal_[n] = mass_[n] * scene_.inertia_factor();
+    // In two dimensions two corners are one node, whose row then has their coupling on the diagonal, too.
     for (std::size_t c = 0; c < stiffness.size(); ++c)
-        for (const int n : set_.cell_nodes[c])
-            diagonal_[static_cast<std::size_t>(n)] += (stiffness[c][0] + stiffness[c][1] + stiffness[c][2]) * dx / 9.0;
+        for (std::size_t a = 0; a < 8; ++a)
+            for (std::size_t b = 0; b < 8; ++b) {
+                if (set_.cell_nodes[c][a] != set_.cell_nodes[c][b]) continue;
+                double value = 0.0;
+                for (int axis = 0; axis < 3; ++axis)
+                    value += stiffness[c][static_cast<std::size_t>(axis)] *
+                             cube_laplacian(static_cast<int>(a), static_cast<int>(b), axis);
+                diagonal_[static_cast<std::size_t>(set_.cell_nodes[c][a])] += value * dx;
+            }
+}
+
+// In single precision what stiffness loses to rounding must stay below inertia, which alone holds a free body's motion
+// as a whole: else iterations come to nothing, in small or stiff bodies and over long steps.
+void Design::choose_precision() {
+    double whole = 0.0, inertia = 0.0;
+    for (std::size_t n = 0; n < mass_.size(); ++n) {
+        whole += diagonal_[n];
+        inertia += mass_[n] * scene_.inertia_factor();
+    }
+    if (std::numeric_limits<float>::epsilon() * whole > kSingle * inertia)
+        scene_.precision = Precision::double_precision;
 }
 
 // Projective-dynamics matrix (Bouaziz et al. 2014): M/b^2 + sum of weights G^T G, one scalar matrix for all three

@@ -78,6 +78,7 @@ private:
     void assemble();
     void make_preconditioner();
     void make_diagonal();
+    void choose_precision();
     std::unique_ptr<PackedFactor> make_factor() const;
     void make_spine();
     void make_constraints();

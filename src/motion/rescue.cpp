@@ -48,7 +48,10 @@ double Stepper::shifted_direction(double forcing, double shift, int limit, StepR
         ++report.linear_iterations;
         for (std::size_t i = 0; i < size_; ++i) hp[i] += shift * pp[i];
         const double curvature = ordered_dot(p.data(), hp.data(), size_);
-        if (!(curvature > 0)) return 0.0;
+        if (!(curvature > 0)) {
+            ++report.indefinite;
+            return 0.0;
+        }
         const double step = rz / curvature;
         for (std::size_t i = 0; i < size_; ++i) d[i] += step * p[i], pd[i] += step * pp[i], r[i] -= step * hp[i];
         if (std::sqrt(ordered_dot(r.data(), r.data(), size_)) <= enough) break;
@@ -63,18 +66,17 @@ double Stepper::shifted_direction(double forcing, double shift, int limit, StepR
 bool Stepper::descend_shifted(std::vector<double>& x, Evaluation& now, const double* signals, long step, int limit,
                               StepReport& report) {
     double shift = kFirstShift;
-    int further = 0;
     candidate_.resize(size_);
     for (int k = 0; k < limit && shift < kLargestShift; ++k) {
-        if (finished(x, now, signals, further)) return true;
-        check_cancelled(step);
+        if (settled(x, now, signals)) return true;
+        check_limits(step, now, report);
         ++report.newton_iterations;
         const double decrease = shifted_direction(forcing(now), shift, scene_.max_linear, report);
         if (!(decrease > 0)) {
             shift = std::max(kLeastShift, 4.0 * shift);
             continue;
         }
-        for (std::size_t i = 0; i < size_; ++i) candidate_[i] = x[i] + direction_[i];
+        move_along(path_along(x), x, 1.0);
         Evaluation next = evaluate(candidate_.data(), signals);
         const double noise = energy_noise(x, now);
         for (int c = 0; c < kCorrections && next.finite && decrease > noise; ++c) {
@@ -108,7 +110,7 @@ void Stepper::rescue(const State& before, std::vector<double>& x, Evaluation& no
     const double relative = now.residual / now.scale;
     const int limit = kPatience * (scene_.max_newton - 1);
     if (!descend_shifted(x, now, signals, step, limit, report)) {
-        const double stopped = now.residual / now.scale;
+        const Evaluation stopped = now;
         x = before.q;
         now = evaluate(x.data(), signals);
         if (!now.finite || !descend_shifted(x, now, signals, step, limit, report))

@@ -198,14 +198,40 @@ double RigidBalance::lever(Threads threads) const {
     return ordered_norm(longest.of.data(), longest.of.size());
 }
 
+std::array<Vec3, 2> RigidBalance::motion_of(std::size_t piece, const std::vector<double>& coefficients) const {
+    std::array<Vec3, 2> sum{};
+    for (std::size_t k = 0; k < motions_.size(); ++k)
+        for (std::size_t a = 0; a < 3 && motions_[k].piece == piece; ++a) {
+            sum[0][a] += coefficients[k] * motions_[k].shift[a];
+            sum[1][a] += coefficients[k] * motions_[k].turn[a];
+        }
+    return sum;
+}
+
+double RigidBalance::turn_of(const std::vector<double>& coefficients) const {
+    double largest = 0.0;
+    for (std::size_t index = 0; index < centre_.size(); ++index) {
+        const Vec3 turn = motion_of(index, coefficients)[1];
+        largest = std::max(largest, std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]));
+    }
+    return largest;
+}
+
+void RigidBalance::subtract(const std::vector<double>& coefficients, double* out) const {
+    for (std::size_t index = 0; index < centre_.size(); ++index) {
+        const auto [shift, turn] = motion_of(index, coefficients);
+        const Motion whole{index, shift, turn};
+        for (std::size_t n = 0; n < piece_.size(); ++n) {
+            if (piece_[n] != static_cast<int>(index)) continue;
+            const Vec3 u = at(whole, n);
+            for (std::size_t a = 0; a < 3; ++a) out[3 * n + a] -= u[a];
+        }
+    }
+}
+
 void RigidBalance::move(const std::vector<double>& coefficients, double* q) const {
     for (std::size_t index = 0; index < centre_.size(); ++index) {
-        Vec3 shift{}, turn{};
-        for (std::size_t k = 0; k < motions_.size(); ++k)
-            for (std::size_t a = 0; a < 3 && motions_[k].piece == index; ++a) {
-                shift[a] += coefficients[k] * motions_[k].shift[a];
-                turn[a] += coefficients[k] * motions_[k].turn[a];
-            }
+        const auto [shift, turn] = motion_of(index, coefficients);
         // Rodrigues' formula, with the sines in the form that is exact for small angles.
         const double angle = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
         const double half = 0.5 * angle, sinc_half = half > 1e-8 ? std::sin(half) / half : 1.0;

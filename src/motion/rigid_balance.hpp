@@ -37,6 +37,10 @@ public:
     double norm_of(const double* force, Threads threads = 1) const;
     // Root of the sum over the motions of the square of their largest entry.
     double lever(Threads threads = 1) const;
+    // The turn of sum_k c_k u_k (rad), the largest of the pieces.
+    double turn_of(const std::vector<double>& coefficients) const;
+    // out -= sum_k c_k u_k.
+    void subtract(const std::vector<double>& coefficients, double* out) const;
     // q moved by sum_k c_k u_k, its turn as a true rotation: no strain comes of it.
     void move(const std::vector<double>& coefficients, double* q) const;
 
@@ -47,6 +51,8 @@ private:
     };
     void add_piece(Free free, std::size_t index, double mass, const std::array<double, 6>& second);
     Vec3 at(const Motion& m, std::size_t node) const;
+    // sum_k c_k of the shifts and the turns of a piece.
+    std::array<Vec3, 2> motion_of(std::size_t piece, const std::vector<double>& coefficients) const;
 
     std::vector<int> piece_;
     std::vector<double> position_;  // [n_nodes][3]

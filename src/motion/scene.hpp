@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct SceneSettings {
     std::vector<int> fixed_nodes;  // box nodes that keep their place; those not in the active set are ignored
     int max_newton = 50;
     int max_linear = 2000;
+    std::int64_t max_products = 200000;  // with the Hessian, of a step
     InstructionSet instructions = InstructionSet::automatic;
     Precision precision = Precision::single_precision;  // of the iterations of linear solves
     PreconditionerKind preconditioner = PreconditionerKind::multilevel;

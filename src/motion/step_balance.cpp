@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRounding = 0.1;         // of the forces' rounding that is left in their sum over the body, at most
 constexpr double kBalance = 1.0;          // tolerances of the way moved that a step leaves free in rigid motion
+constexpr double kTurn = 1e-3;            // rad: smaller turns are as good as straight
 constexpr double kAdjointBalance = 1e-2;  // adjoint tolerances of lambda that its rigid motion may be off
 
 // Sums weighted by mass: of the squared way moved, and of the squared places.
@@ -74,6 +75,35 @@ bool Stepper::balance(std::vector<double>& x, Evaluation& now, const double* sig
         now = next;
     }
     return false;
+}
+
+// candidate_ <- x moved along direction_ by t of it. Where the body turns as a whole it does so truly: along the
+// straight way, the first-order turn, it would be stretched by half the square of the angle, and where tissue is stiff
+// beside inertia and water that is turned down until the steps are too short to arrive.
+Stepper::Path Stepper::path_along(const std::vector<double>& x) {
+    Path path;
+    path.whole = std::make_unique<RigidBalance>(free_, design_->mass(), piece_, x.data(), threads_);
+    if (path.whole->size() == 0) return path;
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) trial_[i] = design_->mass()[i / 3] * direction_[i];
+    });
+    path.motion = path.whole->sums(trial_.data(), threads_);
+    path.turns = path.whole->turn_of(path.motion) > kTurn;
+    if (!path.turns) return path;
+    path.rest = direction_;
+    path.whole->subtract(path.motion, path.rest.data());
+    return path;
+}
+
+void Stepper::move_along(const Path& path, const std::vector<double>& x, double t) {
+    const std::vector<double>& straight = path.turns ? path.rest : direction_;
+    on_coordinates([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) candidate_[i] = x[i] + t * straight[i];
+    });
+    if (!path.turns) return;
+    std::vector<double> part(path.motion);
+    for (double& c : part) c *= t;
+    path.whole->move(part, candidate_.data());
 }
 
 // Likewise of the adjoint system, whose residual r is in candidate_. What r leaves of rigid motion is a push that every

@@ -28,6 +28,7 @@ template <class T>
 void Stepper::mask(T* field) const {
     for (const int i : design_->constrained()) field[i] = T(0);
 }
+template void Stepper::mask(double*) const;
 
 template <class T>
 double Stepper::apply_hessian(const T* p, T* out) {
@@ -162,12 +163,15 @@ bool Stepper::newton_direction(double forcing, StepReport& report) {
             if (!solve_positive(h, x)) continue;
             direction_ = x;
             ++report.linear_iterations;
+            report.indefinite += shift > 0.0;
             return true;
         }
+        ++report.indefinite;
         return false;
     }
     const PcgResult r = solve_hessian(b.data(), direction_.data(), forcing, false);
     report.linear_iterations += r.iterations;
+    report.indefinite += r.negative_curvature;
     // An iterate before the negative curvature, or at the iteration limit, is still a descent direction.
     return r.iterations > 0 && std::isfinite(r.relative_residual);
 }

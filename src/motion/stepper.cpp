@@ -16,8 +16,7 @@ constexpr std::size_t kHistory = 20;  // pairs of the quasi-Newton method
 constexpr double kShort = 0.1;        // of Newton's step: less of it is a short step,
 constexpr int kShortSteps = 3;        // and this many say that the energy's valley is curved
 constexpr double kReach = 10.0;       // tolerances: what a linear solve leaves of them may make it the last one
-constexpr double kLoose = 0.3;        // tolerances: a step that ends above takes further iterations
-constexpr int kFurther = 3;           // of them at most: one is enough but where curvature changes fast
+constexpr double kLoose = 0.3;        // tolerances: a step that ends above takes a further iteration
 constexpr double kLast = 0.03;        // tolerances that the last one leaves: gradients lose a thousandfold of them
 constexpr double kOuter = 1e4;        // tolerances of inertia and water that a residual may be
 
@@ -130,10 +129,11 @@ int Stepper::worst_cell() const {
     return set.cells[static_cast<std::size_t>(set.node_cells[static_cast<std::size_t>(set.node_cell_start[worst])])];
 }
 
-void Stepper::fail_step(Status status, long step, const char* why, double relative) const {
+void Stepper::fail_step(Status status, long step, const std::string& why, const Evaluation& at) const {
+    const double scale = at.scale > 0 ? at.scale : 1.0;
     fail(status,
-         "step %ld: %s; relative force residual %.3g (expected <= %.3g), worst at cell %d; a smaller time_step helps",
-         step, why, relative, scene_.tolerance, worst_cell());
+         "step %ld: %s; relative force residual %.3g (%.3g wanted), worst at cell %d; a smaller time_step helps", step,
+         why.c_str(), at.residual / scale, target(at) / scale, worst_cell());
 }
 
 StepReport Stepper::step(const State& now, const StepInput& input, long step, State& next) {
@@ -159,10 +159,11 @@ StepReport Stepper::solve(const State& before, const StepInput& input, long step
         x = before.q;
         now = evaluate(x.data(), input.signals);
     }
-    if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now.residual);
+    if (!now.finite) fail_step(Status::DIVERGED, step, "the state is not finite", now);
     const char* why = scene_.method == Method::projective ? descend_quasi_newton(x, now, input.signals, step, report)
                                                           : descend_newton(x, now, input.signals, step, report);
     if (why && !settled(x, now, input.signals)) rescue(before, x, now, input.signals, step, why, report);
+    locate(before.q, x, now, input.signals, step, report);
     check_explicit_water(x, now, input, step);
     // Where the forces themselves are at the rounding of the positions, that is what the residual is compared with.
     const double scale = std::max(now.scale, kNoise * noise_ / scene_.tolerance);
@@ -202,10 +203,8 @@ void Stepper::check_explicit_water(const std::vector<double>& x, const Evaluatio
         kinetic += 0.5 * design_->mass()[i / 3] * v * v;
     }
     const double fed = -beta_ * water->dissipation(water_, x.data(), base_.data(), beta_);
-    if (fed > 4.0 * kinetic) {
-        const double relative = now.scale > 0 ? now.residual / now.scale : 0.0;
-        fail_step(Status::DIVERGED, step, "explicit water forces drive the motion that they should damp", relative);
-    }
+    if (fed > 4.0 * kinetic)
+        fail_step(Status::DIVERGED, step, "explicit water forces drive the motion that they should damp", now);
 }
 
 // In a stiff body the forces of tissue and muscles are far larger than what is left of them to move it: then that is
@@ -225,14 +224,9 @@ bool Stepper::converged(const Evaluation& now) const {
 }
 
 // A step that fell under the target by luck, from an iteration not meant to be the last one, may stop just below it;
-// with the thousandfold that soft and stiff bodies make of a residual, that is too much for positions and gradients.
+// gradients lose a thousandfold of what is left.
 bool Stepper::loose(const Evaluation& now) const {
     return now.residual > target(now, kLoose);
-}
-
-// Whether Newton's method ends here; `further` counts the iterations that a loose end has been given.
-bool Stepper::finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further) {
-    return settled(x, now, signals) && (!loose(now) || further++ == kFurther);
 }
 
 // How exactly a linear system is solved: as far as this iteration can use, and the last one to well below the target.
@@ -244,8 +238,13 @@ double Stepper::forcing(const Evaluation& now) const {
     return usual * now.residual <= kReach * enough ? kLast * enough / now.residual : usual;
 }
 
-void Stepper::check_cancelled(long step) const {
+void Stepper::check_limits(long step, const Evaluation& now, const StepReport& report) const {
     if (scene_.cancel && scene_.cancel->load()) fail(Status::CANCELLED, "cancelled in step %ld", step);
+    if (report.linear_iterations >= scene_.max_products)
+        fail_step(Status::NOT_CONVERGED, step,
+                  format("it has taken %d products with the Hessian, and max_products is %lld",
+                         report.linear_iterations, static_cast<long long>(scene_.max_products)),
+                  now);
 }
 
 // Changes of the energy below this are rounding: its own, that of parts which cancel in it, and that of positions,
@@ -255,18 +254,17 @@ double Stepper::energy_noise(const std::vector<double>& x, const Evaluation& now
            1e-15 * now.scale * ordered_norm(x.data(), size_, threads_);
 }
 
-// Along direction_ with halved lengths until the energy falls enough (Armijo). On success x and now are the new point;
-// otherwise they are evaluated anew where they were.
+// Along direction_, as path_along says, with halved lengths until the energy falls enough (Armijo). On success x and
+// now are the new point; otherwise they are evaluated anew where they were.
 double Stepper::line_search(std::vector<double>& x, Evaluation& now, const double* signals) {
     const double slope = dot(gradient_.data(), direction_.data());
     // Near the solution the energy's change drowns in its rounding; there the residual decides.
     const double noise = energy_noise(x, now) + 1e-13 * std::fabs(slope);
     candidate_.resize(size_);
+    const Path path = path_along(x);
     double t = 1.0;
     for (int k = 0; k < 30 && slope < 0; ++k, t *= 0.5) {
-        on_coordinates([&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) candidate_[i] = x[i] + t * direction_[i];
-        });
+        move_along(path, x, t);
         const Evaluation next = evaluate(candidate_.data(), signals);
         if (!next.finite) continue;
         if (next.energy <= now.energy + 1e-4 * t * slope ||
@@ -285,12 +283,11 @@ const char* Stepper::descend_newton(std::vector<double>& x, Evaluation& now, con
     bool force_filter = false;
     int short_steps = 0;
     double previous = std::numeric_limits<double>::infinity();
-    int further = 0;
-    while (!finished(x, now, signals, further)) {
+    while (!settled(x, now, signals)) {
         // At the rounding of the positions, where Newton's steps no longer help, the answer is as exact as it can be.
         if (now.residual <= kNoise * noise_ && now.residual > 0.25 * previous) break;
         previous = now.residual;
-        check_cancelled(step);
+        check_limits(step, now, report);
         if (report.newton_iterations >= scene_.max_newton) return "Newton's method reached max_newton";
         ++report.newton_iterations;
         const double enough = forcing(now);
@@ -321,7 +318,7 @@ const char* Stepper::descend_quasi_newton(std::vector<double>& x, Evaluation& no
     Lbfgs history(kHistory);
     const auto initial = [&](const double* in, double* out) { precondition(in, out); };
     while (!settled(x, now, signals)) {
-        check_cancelled(step);
+        check_limits(step, now, report);
         if (report.newton_iterations >= scene_.max_linear) return "the quasi-Newton method reached max_linear";
         ++report.newton_iterations, ++report.linear_iterations;
         history.direction(gradient_.data(), initial, direction_);

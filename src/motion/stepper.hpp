@@ -8,7 +8,8 @@
 // only where it shows negative curvature. Or L-BFGS on the projective-dynamics factor (`projective`). Stops at
 // |r| <= tolerance * (|f_elastic| + |f_muscle| + |f_inertia| + |f_water|), norms over nodes, but not above 1e4 times
 // the share of the last two: independent of the origin and of rigid motion; and where the body as a whole is in balance
-// too (rigid_balance.hpp). Constrained coordinates keep their place and drop out of all of it.
+// too (rigid_balance.hpp), and the positions are known to be right to some tolerances (step_error.cpp). Constrained
+// coordinates keep their place and drop out of all of it.
 //
 // Where that fails, another method takes over (rescue.cpp): another way to the same equations, so that the answer and
 // its derivative mean the same; the report and a warning tell of it.
@@ -21,6 +22,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "grid/error.hpp"
@@ -39,6 +41,7 @@ struct StepReport {
     int linear_iterations = 0;
     int inverted = 0;       // Gauss points with det F <= 0 at the solution
     int filtered = 0;       // Newton iterations that needed the filtered Hessian
+    int indefinite = 0;     // Newton iterations that met negative curvature
     bool rescued = false;   // the scene's method failed, and another one found the answer
     double residual = 0.0;  // relative
 };
@@ -131,12 +134,29 @@ private:
     double dot(const double* a, const double* b) const { return ordered_dot(a, b, size_, threads_); }
     SymmetricMatrix assemble();
     bool newton_direction(double forcing, StepReport& report);
-    void check_cancelled(long step) const;
+    // Throws CANCELLED, or NOT_CONVERGED where the step has taken max_products.
+    void check_limits(long step, const Evaluation& now, const StepReport& report) const;
     bool converged(const Evaluation& now) const;
     bool loose(const Evaluation& now) const;
-    bool finished(std::vector<double>& x, Evaluation& now, const double* signals, int& further);
     bool settled(std::vector<double>& x, Evaluation& now, const double* signals);
     bool balance(std::vector<double>& x, Evaluation& now, const double* signals);
+    // Errors of positions, in the norm of the mass and over all nodes alike; see step_error.cpp.
+    struct Allowed {
+        double mass = 0.0, nodes = 0.0;
+    };
+    Allowed allowed_error(const std::vector<double>& q_old, const std::vector<double>& q_new) const;
+    bool foreseen(const Allowed& allowed);
+    bool small_correction(const Allowed& allowed) const;
+    void locate(const std::vector<double>& q_old, std::vector<double>& x, Evaluation& now, const double* signals,
+                long step, StepReport& report);
+    // The way from a point along direction_: its motion of the body as a whole, and what is left of it.
+    struct Path {
+        std::unique_ptr<RigidBalance> whole;
+        std::vector<double> motion, rest;
+        bool turns = false;
+    };
+    Path path_along(const std::vector<double>& x);
+    void move_along(const Path& path, const std::vector<double>& x, double t);
     PcgResult solve_adjoint(double tolerance);
     void balance_adjoint(const double* q, double tolerance);
     static double share_of_motion(const Evaluation& now);
@@ -158,7 +178,7 @@ private:
     void check_unfolds(const State& before, long step) const;
     void check_explicit_water(const std::vector<double>& x, const Evaluation& now, const StepInput& input,
                               long step) const;
-    [[noreturn]] void fail_step(Status status, long step, const char* why, double relative) const;
+    [[noreturn]] void fail_step(Status status, long step, const std::string& why, const Evaluation& at) const;
     int worst_cell() const;
 
     std::shared_ptr<const Design> design_;

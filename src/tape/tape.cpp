@@ -110,6 +110,7 @@ void Tape::append(const Simulation& simulation, const StepInput& input, const St
     statistics_.newton_iterations += report.newton_iterations;
     statistics_.linear_iterations += report.linear_iterations;
     statistics_.rescued_steps += report.rescued ? 1 : 0;
+    statistics_.indefinite_steps += report.indefinite > 0 ? 1 : 0;
     statistics_.worst_residual = std::max(statistics_.worst_residual, report.residual);
 }
 

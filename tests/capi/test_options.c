@@ -314,6 +314,11 @@ static void simulator_ranges(void** state) {
     ok(create_simulator(&options));
     for (i = 0; i < (int)(sizeof trials / sizeof *trials); ++i)
         run_trial(&trials[i], &options, sizeof options, create_simulator);
+    for (i = 0; i < 2; ++i) {
+        ok(dqa_simulator_options_init(&options, sizeof options));
+        options.max_products = -i;
+        refused(create_simulator(&options), DQA_ERROR_ARGUMENT, "max_products");
+    }
     for (axis = 0; axis < 3; ++axis) {
         ok(dqa_simulator_options_init(&options, sizeof options));
         options.current[axis] = NAN;

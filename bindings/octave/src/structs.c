@@ -58,7 +58,8 @@ static const field simulator_options_fields[] = {
     ROW(dqa_simulator_options, drag_coefficients, DOUBLE), ROW(dqa_simulator_options, thrust_coefficients, DOUBLE),
     ROW(dqa_simulator_options, speed_smoothing, DOUBLE), ROW(dqa_simulator_options, angle_smoothing, DOUBLE),
     ROW(dqa_simulator_options, surface_smoothing, DOUBLE), ROW(dqa_simulator_options, water_faces, INT32),
-    ROW(dqa_simulator_options, linear_precision, INT32), ROW(dqa_simulator_options, quadrature, INT32), END};
+    ROW(dqa_simulator_options, linear_precision, INT32), ROW(dqa_simulator_options, quadrature, INT32),
+    ROW(dqa_simulator_options, max_products, INT64), END};
 static const field simulator_info_fields[] = {
     ROW(dqa_simulator_info, dims, INT32), ROW(dqa_simulator_info, n_bases, INT32),
     ROW(dqa_simulator_info, n_signals, INT32), ROW(dqa_simulator_info, n_sensors, INT32),
@@ -97,7 +98,8 @@ static const field tape_statistics_fields[] = {
     ROW(dqa_tape_statistics, newton_iterations, INT64), ROW(dqa_tape_statistics, linear_iterations, INT64),
     ROW(dqa_tape_statistics, adjoint_iterations, INT64), ROW(dqa_tape_statistics, worst_residual, DOUBLE),
     ROW(dqa_tape_statistics, worst_adjoint_residual, DOUBLE), ROW(dqa_tape_statistics, checkpoints, INT64),
-    ROW(dqa_tape_statistics, recomputed_steps, INT64), ROW(dqa_tape_statistics, rescued_steps, INT64), END};
+    ROW(dqa_tape_statistics, recomputed_steps, INT64), ROW(dqa_tape_statistics, rescued_steps, INT64),
+    ROW(dqa_tape_statistics, indefinite_steps, INT64), END};
 static const field objective_term_fields[] = {
     ROW(dqa_objective_term, kind, INT32), ROW(dqa_objective_term, weight, DOUBLE),
     ROW(dqa_objective_term, target, DOUBLE), ROW(dqa_objective_term, gamma, DOUBLE),

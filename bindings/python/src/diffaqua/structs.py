@@ -73,6 +73,7 @@ class SimulatorOptions(TypedDict, total=False):
     water_faces: int
     linear_precision: int
     quadrature: int
+    max_products: int
 
 
 class PerceptronOptions(TypedDict, total=False):
@@ -214,6 +215,7 @@ class TapeStatistics:
     checkpoints: int
     recomputed_steps: int
     rescued_steps: int
+    indefinite_steps: int
 
 
 @dataclass(frozen=True)

@@ -390,12 +390,13 @@ pub struct dqa_simulator_options {
     pub linear_precision: i32,
     pub quadrature: i32,
     pub padding: i32,
+    pub max_products: i64,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
     [
         "Size of dqa_simulator_options",
-    ][::core::mem::size_of::<dqa_simulator_options>() - 272usize];
+    ][::core::mem::size_of::<dqa_simulator_options>() - 280usize];
     [
         "Alignment of dqa_simulator_options",
     ][::core::mem::align_of::<dqa_simulator_options>() - 8usize];
@@ -501,6 +502,9 @@ const _: () = {
     [
         "Offset of field: dqa_simulator_options::padding",
     ][::core::mem::offset_of!(dqa_simulator_options, padding) - 268usize];
+    [
+        "Offset of field: dqa_simulator_options::max_products",
+    ][::core::mem::offset_of!(dqa_simulator_options, max_products) - 272usize];
 };
 pub type dqa_current = ::core::option::Option<
     unsafe extern "C" fn(
@@ -897,12 +901,13 @@ pub struct dqa_tape_statistics {
     pub checkpoints: i64,
     pub recomputed_steps: i64,
     pub rescued_steps: i64,
+    pub indefinite_steps: i64,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
     [
         "Size of dqa_tape_statistics",
-    ][::core::mem::size_of::<dqa_tape_statistics>() - 88usize];
+    ][::core::mem::size_of::<dqa_tape_statistics>() - 96usize];
     [
         "Alignment of dqa_tape_statistics",
     ][::core::mem::align_of::<dqa_tape_statistics>() - 8usize];
@@ -942,6 +947,9 @@ const _: () = {
     [
         "Offset of field: dqa_tape_statistics::rescued_steps",
     ][::core::mem::offset_of!(dqa_tape_statistics, rescued_steps) - 80usize];
+    [
+        "Offset of field: dqa_tape_statistics::indefinite_steps",
+    ][::core::mem::offset_of!(dqa_tape_statistics, indefinite_steps) - 88usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]

@@ -203,6 +203,8 @@ told! {
         recomputed_steps: usize,
         /// Recorded steps in which the method of the options failed and another one found the answer.
         rescued_steps: usize,
+        /// Recorded steps that met negative curvature on their way: another equilibrium may exist.
+        indefinite_steps: usize,
     }
 
     /// What [`Simulator::check_gradient`](crate::Simulator::check_gradient) found.

@@ -222,6 +222,8 @@ options! {
         linear_precision: Precision,
         /// One point a cell by default.
         quadrature: Quadrature,
+        /// Products with the Hessian that a step may take, >= 1; default 200000.
+        max_products: usize,
     }
 
     /// Of [`Controller::perceptron`](crate::Controller::perceptron).
