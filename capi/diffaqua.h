@@ -125,7 +125,8 @@ typedef struct dqa_shape_space_options {
     int32_t margin;          /* empty cells kept ahead of and behind every mesh, >= 1; default 2 */
     int32_t margin_across;   /* empty cells kept beside, above and below it, >= 0; default 0 */
     int32_t up;              /* DQA_UP_*: which way the meshes added later stand */
-    int32_t subsamples;      /* rays per cell and axis for the covered fraction, in [1, 16]; default 8 */
+    int32_t subsamples;      /* in [1, 16]; default 8. Without effect: covered fractions are exact, however thin a part
+                                is; kept so that programs that set it go on working */
     int32_t peak;            /* DQA_PEAK_* */
     int32_t max_iterations;  /* of the barycentre; default 5000 */
     int32_t threads;         /* >= 1; results do not depend on it; default 1 */
@@ -141,8 +142,7 @@ typedef struct dqa_shape_space_options {
                                 density of a cell is their sum; sigma still counts whole cells. A kernel narrower than
                                 about 0.7 of the edge of the cells between which mass moves makes a comb of a body that
                                 is stretched, and thin parts of shapes between the bases come loose: 2 leaves hardly any
-                                of that at the default width. Time and memory grow with its power of dims; `subsamples`
-                                is rounded up to a multiple of it; default 1 */
+                                of that at the default width. Time and memory grow with its power of dims; default 1 */
 } dqa_shape_space_options;
 
 /* Fills *options with defaults; `size` is sizeof(dqa_shape_space_options) as the caller compiled it. */

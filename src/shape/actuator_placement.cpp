@@ -38,11 +38,17 @@ Sections sections_of(const Box& box, const std::vector<double>& fractions) {
 // First and last section (last exclusive) of the caudal muscle.
 std::pair<int, int> caudal_reach(const Sections& s) {
     const auto at = [&](double share) { return s.tail + static_cast<int>(share * s.length); };
-    int peduncle = at(0.08);
-    for (int i = peduncle; i <= at(0.40); ++i)
-        if (s.area[idx(i)] < s.area[idx(peduncle)]) peduncle = i;
-    const double behind = *std::max_element(s.area.begin() + s.tail, s.area.begin() + peduncle + 1);
-    if (behind >= kWidening * s.area[idx(peduncle)]) return {peduncle, std::max(peduncle + 2, at(0.55))};
+    // The peduncle is the narrowest section, if a wider one lies behind it. The rim of a tail fin can be as narrow: of
+    // sections that hardly differ one with a wider one behind it counts.
+    const double narrowest = *std::min_element(s.area.begin() + at(0.08), s.area.begin() + at(0.40) + 1);
+    int peduncle = -1;
+    for (int i = at(0.08); i <= at(0.40); ++i) {
+        const double area = s.area[idx(i)], behind = *std::max_element(s.area.begin() + s.tail, s.area.begin() + i + 1);
+        if (area <= kWidening * narrowest && behind >= kWidening * area &&
+            (peduncle < 0 || area < s.area[idx(peduncle)]))
+            peduncle = i;
+    }
+    if (peduncle >= 0) return {peduncle, std::max(peduncle + 2, at(0.55))};
     // Bent in one piece, a slender body goes towards the end that holds the muscle: the passive rear trails behind the
     // beat and pushes. Of stretches tried on eels (sine of 12 and 24 steps, whole lengths to single thirds) this one
     // swims fastest; muscles in the rear half swim tail first.

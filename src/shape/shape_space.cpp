@@ -42,9 +42,8 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     orient_up(cleaned, settings_.up);
     BaseShape base;
     base.name = name;
-    const int factor = settings_.refinement, rays = (settings_.subsamples + factor - 1) / factor;
     base.fractions =
-        covered_fractions(cleaned, refinement_.box(), fine_margin(), rays, settings_.threads, &base.length_in_cells);
+        covered_fractions(cleaned, refinement_.box(), fine_margin(), settings_.threads, &base.length_in_cells);
     return add_fine(std::move(base));
 }
 

@@ -25,7 +25,7 @@ struct ShapeSettings {
     int margin = 2;                        // empty cells ahead and behind
     int margin_across = 0;                 // and to the sides
     int up = 0;
-    int subsamples = 8;
+    int subsamples = 8;  // of earlier versions, kept in files; fractions are exact now
     int refinement = 1;  // finer cells along the edge of a cell, between which mass moves
     Peak peak = Peak::smooth;
     int max_iterations = 5000;

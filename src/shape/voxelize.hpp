@@ -20,11 +20,11 @@ struct Margin {
 
 // Scales `cleaned` (from clean_and_check) uniformly so that, with its centre of mass at the centre of the box, at least
 // the margin's cells stay empty on every side, and returns the covered fraction of each cell in [0, 1], indexed by
-// box.cell(i, j, k). In y and z, subsamples^2 rays per cell; along x the covered length is exact. Overlapping
-// components form a union (winding number > 0), whose centre of mass then comes from the fractions. `length_in_cells`
-// (may be null) receives the mesh's scaled extent along x. The result does not depend on `threads`, and a mesh that
-// mirrors across y or z gives fractions that do.
-std::vector<double> covered_fractions(const TriangleMesh& cleaned, const Box& box, Margin margin, int subsamples,
-                                      int threads, double* length_in_cells);
+// box.cell(i, j, k). Fractions are exact up to rounding, however thin a part is and however it lies; where components
+// overlap they are right to 1e-5. Overlapping components form a union (winding number > 0), with the centre of mass of
+// the union. `length_in_cells` (may be null) receives the mesh's scaled extent along x. The result does not depend on
+// `threads`, and a mesh that mirrors across y or z gives fractions that do.
+std::vector<double> covered_fractions(const TriangleMesh& cleaned, const Box& box, Margin margin, int threads,
+                                      double* length_in_cells);
 
 }  // namespace dqa

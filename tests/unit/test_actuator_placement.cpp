@@ -15,7 +15,7 @@ using derivative::Vector;
 void check_placement(const std::string& path, const Box& box, bool eel) {
     TriangleMesh mesh = clean_and_check(read_mesh_file(path), path, nullptr);
     orient_up(mesh, UP_AUTO);
-    const auto f = covered_fractions(mesh, box, 2, 4, 1, nullptr);
+    const auto f = covered_fractions(mesh, box, 2, 1, nullptr);
     const Actuator a = place_caudal(box, f);
     // Sections from tail to head, and the narrowest between 8 % and 40 % of the length: the peduncle.
     const int slab = box.cells[1] * box.cells[2];

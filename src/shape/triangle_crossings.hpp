@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Which triangles of a closed mesh meet others elsewhere than along the edges and corners that join them: where a
+// surface passes through itself or another component, or lies on it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "grid/box.hpp"
+
+namespace dqa {
+
+// Triangles closer than this count as meeting (the unit of the vertices). It lies far above the round-off of
+// coordinates up to a few thousand, and far below any thickness that matters.
+constexpr double kTouching = 4e-8;
+
+// The partners of triangle t are partner[first[t]] ... partner[first[t + 1] - 1], in ascending order.
+struct TriangleCrossings {
+    std::vector<std::size_t> first;
+    std::vector<int> partner;
+    bool any(int t) const { return first[static_cast<std::size_t>(t)] != first[static_cast<std::size_t>(t) + 1]; }
+};
+
+// Errs on the side of naming a pair that only comes near; never misses one that meets.
+TriangleCrossings triangle_crossings(const std::vector<Vec3>& vertices,
+                                     const std::vector<std::array<int, 3>>& triangles);
+
+}  // namespace dqa
