@@ -6,6 +6,10 @@
 namespace dqa {
 namespace {
 
+// As in the kernels of the muscle energy: the square of a fibre's relative length below which it has no direction, and
+// what is added to the square to keep the length away from zero.
+constexpr double kCrushed = 1e-22, kRounding = 1e-24;
+
 using Gradients = std::array<std::array<Vec3, 8>, 8>;  // [Gauss point][corner], of a unit cell
 
 Gradients shape_gradients() {
@@ -38,8 +42,8 @@ void gradient_of(const double* x, const std::array<int, 8>& nodes, const std::ar
 
 }  // namespace
 
-// Per Gauss point, a = F m, b = (grad lambda) m, n = |a|: lambda . dE/dq is w (1 - r/n) a.b, whose derivative by m is
-// w [(1 - r/n) (F^T b + grad lambda^T a) + r (a.b) / n^3 F^T a].
+// Per Gauss point, a = F m, b = (grad lambda) m, n = |a|, kept away from zero as in the energy: lambda . dE/dq is w (1
+// - r/n) a.b, whose derivative by m is w [(1 - r/n) (F^T b + grad lambda^T a) + r (a.b) / n^3 F^T a].
 void add_direction_bar(const ActiveSet& set, const std::vector<MuscleEntry>& muscles, double contraction,
                        const double* q, const double* lambda, const double* signals, std::vector<Vec3>& direction_bar) {
     static const Gradients gradients = shape_gradients();
@@ -55,7 +59,8 @@ void add_direction_bar(const ActiveSet& set, const std::vector<MuscleEntry>& mus
             Vec3 a{}, b{};
             for (std::size_t i = 0; i < 3; ++i)
                 for (std::size_t j = 0; j < 3; ++j) a[i] += f[i][j] * m.direction[j], b[i] += l[i][j] * m.direction[j];
-            const double n = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+            const double square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], n = std::sqrt(square + kRounding);
+            if (square < kCrushed) continue;
             const double ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             const double both = w * (1.0 - rest / n), turn = w * rest * ab / (n * n * n);
             for (std::size_t j = 0; j < 3; ++j)

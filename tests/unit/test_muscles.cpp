@@ -128,6 +128,34 @@ void test_fibre_turn() {
     report_worst("forces by fibre directions");
 }
 
+// Fibres that are crushed to a point, with their cell or alone, have no direction; the others keep theirs.
+void test_fibre_turn_of_crushed_cells() {
+    const auto d = make_design(tight_scene(), {0.6, 0.4}, winged_space(Interpolation::linear, true));
+    Random random{12};
+    const std::size_t n = d->rest().size();
+    const Vector lambda = random_vector(n, random), signals = random_vector(17, random, 0.8);
+    const std::vector<MuscleEntry>& muscles = d->muscles().entries();
+    const auto bar_at = [&](const Vector& q) {
+        std::vector<Vec3> bar(muscles.size(), Vec3{});
+        add_direction_bar(d->set(), muscles, d->scene().contraction, q.data(), lambda.data(), signals.data(), bar);
+        return bar;
+    };
+    for (const Vec3& v : bar_at(Vector(n, 0.25))) CHECK(v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0);
+    Vector one = d->rest();
+    for (const int node : d->set().cell_nodes[static_cast<std::size_t>(muscles[0].cell)])
+        for (std::size_t k = 0; k < 3; ++k) one[3 * static_cast<std::size_t>(node) + k] = 0.1;
+    const std::vector<Vec3> bar = bar_at(one);
+    CHECK(bar[0][0] == 0.0 && bar[0][1] == 0.0 && bar[0][2] == 0.0);
+    double others = 0;
+    for (const Vec3& v : bar)
+        for (const double x : v) CHECK(std::isfinite(x)), others += std::fabs(x);
+    CHECK(others > 0);
+    Vector flat = d->rest();  // no lengths along x, which caudal fibres have
+    for (std::size_t i = 0; i < n; i += 3) flat[i] = 0.0;
+    for (const Vec3& v : bar_at(flat))
+        for (const double x : v) CHECK(std::isfinite(x));
+}
+
 // The same as winged_space in the plane.
 std::shared_ptr<const ShapeSpace> winged_plane(Interpolation interpolation) {
     ShapeSettings s;
@@ -210,7 +238,8 @@ void test_eels_swim_head_first() {
 
 int main() {
     const CMUnitTest tests[] = {
-        TEST(test_fibres),           TEST(test_derivative_by_alpha),  TEST(test_fibre_turn),
+        TEST(test_fibres),           TEST(test_derivative_by_alpha),
+        TEST(test_fibre_turn),       TEST(test_fibre_turn_of_crushed_cells),
         TEST(test_rollout_by_alpha), TEST(test_eels_swim_head_first),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
