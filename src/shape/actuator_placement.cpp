@@ -94,7 +94,8 @@ Vec3 variance_of(const Vec3& half) {
 
 Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
     const int nx = box.cells[0];
-    const auto [first, last] = caudal_reach(sections_of(box, fractions));
+    const Sections sections = sections_of(box, fractions);
+    const auto [first, last] = caudal_reach(sections);
     double mass = 0.0, mean_z = 0.0, mean_zz = 0.0, mean_yy = 0.0;
     for (int i = first; i < last && i < nx; ++i)
         for (int j = 0; j < box.cells[1]; ++j)
@@ -104,7 +105,12 @@ Actuator place_caudal(const Box& box, const std::vector<double>& fractions) {
                 const Vec3 x = box.cell_centre(c);
                 mass += f, mean_z += f * x[2], mean_zz += f * x[2] * x[2], mean_yy += f * x[1] * x[1];
             }
-    if (!(mass > 0)) fail(Status::ERROR_ARGUMENT, "base shape: no body found where its caudal muscle should be");
+    if (!(mass > 0))
+        fail(Status::ERROR_ARGUMENT,
+             "no body found where its caudal muscle should be: it reaches over sections %d to %d of %d along x, of "
+             "which "
+             "%d to %d are empty; give it an actuator with dqa_shape_space_add_actuator",
+             sections.tail + 1, sections.head + 1, nx, first + 1, std::min(last, nx));
     mean_z /= mass, mean_zz /= mass, mean_yy /= mass;
     // A uniform section of half-width H has variance H^2/4 (ellipse): twice the deviation spans it. At least one cell.
     const double half_y = std::max(box.dx, 2.0 * std::sqrt(mean_yy));

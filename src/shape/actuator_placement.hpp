@@ -11,7 +11,8 @@ namespace dqa {
 
 // A caudal muscle from covered fractions. A body with a peduncle (a narrowest section in its rear with a wider tail fin
 // behind it) gets it from there to the middle of the body, so that the fin's blade stays passive; one without, an eel,
-// from 40 to 90 % of its length, measured from the tail.
+// from 40 to 90 % of its length, measured from the tail. ERROR_ARGUMENT if that
+// stretch is empty.
 Actuator place_caudal(const Box& box, const std::vector<double>& fractions);
 
 // The left half of a pair of lateral fins, the right one being its mirror image; nothing if the body has none. Fins are

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "grid/error.hpp"
+#include "grid/number_text.hpp"
 
 namespace dqa {
 namespace {
@@ -145,14 +146,17 @@ std::vector<double> image_fractions(const double* pixels, int rows, int columns,
         for (int c = 0; c < columns; ++c) {
             const double f = at(r, c);
             if (!(f >= 0.0 && f <= 1.0))
-                fail(Status::ERROR_ARGUMENT, "pixels[%d][%d] is %g, expected a grey value in [0, 1]", r, c, f);
+                fail(Status::ERROR_ARGUMENT, "pixels[%d][%d] is %s, expected a grey value in [0, 1]", r, c,
+                     number_text(f).c_str());
             if (!(f > 0)) continue;
             const double x = c, y = rows - 1 - r;  // lower corner of the pixel
             lo = {std::min(lo[0], x), std::min(lo[1], y)}, hi = {std::max(hi[0], x + 1), std::max(hi[1], y + 1)};
             sum += f, moment[0] += f * (x + 0.5), moment[1] += f * (y + 0.5);
             if (f >= 0.5) first = std::min(first, c), last = std::max(last, c);
         }
-    if (last < 0) fail(Status::ERROR_ARGUMENT, "pixels: no pixel is 1/2 or more (sum %g), expected a body", sum);
+    if (last < 0)
+        fail(Status::ERROR_ARGUMENT, "pixels: no pixel is 1/2 or more (largest %s), expected a body",
+             number_text(*std::max_element(pixels, pixels + idx(rows) * idx(columns))).c_str());
     const Point centre{moment[0] / sum, moment[1] / sum};
     const double scale = fit(lo, hi, centre, box, margin);
     std::vector<double> out(idx(box.n_cells()), 0.0);

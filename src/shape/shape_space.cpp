@@ -6,6 +6,7 @@
 
 #include "grid/axis_line.hpp"
 #include "grid/error.hpp"
+#include "grid/number_text.hpp"
 #include "shape/actuator_placement.hpp"
 #include "shape/planar_base.hpp"
 
@@ -19,6 +20,20 @@ bool turned(const Actuator& a, const Actuator& b) {
     return (a.half == b.half ? a : mirrored(a)).euler != b.euler;
 }
 
+std::string title_of(std::size_t number, const std::string& name) {
+    return format("base %zu ('%s')", number, name.c_str());
+}
+
+// work(), whose errors then begin with what they are about.
+template <class F>
+void about(const std::string& subject, const F& work) {
+    try {
+        work();
+    } catch (const Error& e) {
+        fail(e.status(), "%s: %s", subject.c_str(), e.what());
+    }
+}
+
 }  // namespace
 
 ShapeSpace::ShapeSpace(const ShapeSettings& settings)
@@ -26,6 +41,11 @@ ShapeSpace::ShapeSpace(const ShapeSettings& settings)
       box_{settings.cells, settings.cell_size, settings.dims},
       refinement_(box_, settings.refinement),
       kernel_(refinement_.box().cells, settings.sigma * settings.refinement) {}
+
+std::string ShapeSpace::title(int base) const {
+    const auto number = static_cast<std::size_t>(base);
+    return title_of(number, bases_[number].name);
+}
 
 void ShapeSpace::require_open(const char* what) const {
     if (built_) fail(Status::ERROR_STATE, "%s: the shape space is already built; it is frozen from then on", what);
@@ -42,8 +62,10 @@ int ShapeSpace::add_mesh(const std::string& name, const TriangleMesh& mesh) {
     orient_up(cleaned, settings_.up);
     BaseShape base;
     base.name = name;
-    base.fractions =
-        covered_fractions(cleaned, refinement_.box(), fine_margin(), settings_.threads, &base.length_in_cells);
+    about(title_of(bases_.size(), name), [&] {
+        base.fractions =
+            covered_fractions(cleaned, refinement_.box(), fine_margin(), settings_.threads, &base.length_in_cells);
+    });
     return add_fine(std::move(base));
 }
 
@@ -58,13 +80,17 @@ int ShapeSpace::add_fractions(const std::string& name, const double* cells) {
     int first = box_.cells[0], last = -1;
     for (std::size_t c = 0; c < n; ++c) {
         if (!(cells[c] >= 0.0 && cells[c] <= 1.0))
-            fail(Status::ERROR_ARGUMENT, "cells[%zu] is %g, expected a covered fraction in [0, 1]", c, cells[c]);
+            fail(Status::ERROR_ARGUMENT, "%s: cells[%zu] is %s, expected a covered fraction in [0, 1]",
+                 title_of(bases_.size(), name).c_str(), c, number_text(cells[c]).c_str());
         sum += cells[c];
         const int i = static_cast<int>(c) / per_slab;
         if (cells[c] >= 0.5) first = std::min(first, i), last = std::max(last, i);
     }
     if (last < 0)
-        fail(Status::ERROR_ARGUMENT, "cells: no cell is covered by half or more (sum %g), expected a body", sum);
+        fail(Status::ERROR_ARGUMENT,
+             "%s: no cell is covered by half or more (largest of cells %s, sum %s), expected a body",
+             title_of(bases_.size(), name).c_str(), number_text(*std::max_element(cells, cells + n)).c_str(),
+             number_text(sum).c_str());
     base.length_in_cells = last - first + 1;
     if (settings_.refinement > 1) base.fine = refinement_.spread(cells);
     return add_base(std::move(base));
@@ -98,7 +124,9 @@ int ShapeSpace::add_polygon(const std::string& name, const std::vector<std::arra
     require_plane("add_polygon");
     BaseShape base;
     base.name = name;
-    base.fractions = polygon_fractions(corners, refinement_.box(), fine_margin(), &base.length_in_cells);
+    about(title_of(bases_.size(), name), [&] {
+        base.fractions = polygon_fractions(corners, refinement_.box(), fine_margin(), &base.length_in_cells);
+    });
     return add_fine(std::move(base));
 }
 
@@ -106,7 +134,10 @@ int ShapeSpace::add_image(const std::string& name, const double* pixels, int row
     require_plane("add_image");
     BaseShape base;
     base.name = name;
-    base.fractions = image_fractions(pixels, rows, columns, refinement_.box(), fine_margin(), &base.length_in_cells);
+    about(title_of(bases_.size(), name), [&] {
+        base.fractions =
+            image_fractions(pixels, rows, columns, refinement_.box(), fine_margin(), &base.length_in_cells);
+    });
     return add_fine(std::move(base));
 }
 
@@ -122,16 +153,18 @@ void ShapeSpace::add_actuator(int base, const Actuator& actuator) {
     if (settings_.dims == 2) {
         // A plane has no heights and no thickness.
         if (actuator.euler[0] != 0.0 || actuator.euler[1] != 0.0)
-            fail(Status::ERROR_ARGUMENT, "euler is (%g, %g, %g), expected (0, 0, angle): the space has dims = 2",
-                 actuator.euler[0], actuator.euler[1], actuator.euler[2]);
+            fail(Status::ERROR_ARGUMENT, "%s: euler is (%g, %g, %g), expected (0, 0, angle): the space has dims = 2",
+                 title(base).c_str(), actuator.euler[0], actuator.euler[1], actuator.euler[2]);
         if (fins && actuator.layers != 1)
-            fail(Status::ERROR_ARGUMENT, "layers is %d, expected 1: the space has dims = 2", actuator.layers);
+            fail(Status::ERROR_ARGUMENT, "%s: layers is %d, expected 1: the space has dims = 2", title(base).c_str(),
+                 actuator.layers);
         added[0].mean[2] = 0.0, added[0].variance[2] = box_.dx * box_.dx / kTwoLn2;
     } else if (fins && actuator.variance[2] > std::min(actuator.variance[0], actuator.variance[1])) {
         fail(Status::ERROR_ARGUMENT,
-             "variance[2] is %g, expected the smallest of the three (%g, %g): a fin's third axis goes through its "
+             "%s: variance[2] is %s, expected the smallest of the three (%s, %s): a fin's third axis goes through its "
              "thickness (turn its frame with euler)",
-             actuator.variance[2], actuator.variance[0], actuator.variance[1]);
+             title(base).c_str(), number_text(actuator.variance[2]).c_str(), number_text(actuator.variance[0]).c_str(),
+             number_text(actuator.variance[1]).c_str());
     }
     if (fins && actuator.half == ActuatorHalf::whole) {
         added[0].half = ActuatorHalf::left;
@@ -149,14 +182,14 @@ void ShapeSpace::check_actuator(int base, const Actuator& actuator) const {
         for (const Actuator& a : bases_[i].actuators) {
             if (a.category != number) continue;
             if (a.kind != actuator.kind)
-                fail(Status::ERROR_ARGUMENT, "kind is %d, expected %d, which actuators of category %d have in base %zu",
-                     static_cast<int>(actuator.kind), static_cast<int>(a.kind), number, i);
+                fail(Status::ERROR_ARGUMENT, "%s: kind is %d, expected %d, which actuators of category %d have in %s",
+                     title(base).c_str(), static_cast<int>(actuator.kind), static_cast<int>(a.kind), number,
+                     title(static_cast<int>(i)).c_str());
             if (a.kind == ActuatorKind::fins && a.layers != actuator.layers)
-                fail(Status::ERROR_ARGUMENT,
-                     "layers is %d, expected %d, which actuators of category %d have in base %zu", actuator.layers,
-                     a.layers, number, i);
+                fail(Status::ERROR_ARGUMENT, "%s: layers is %d, expected %d, which actuators of category %d have in %s",
+                     title(base).c_str(), actuator.layers, a.layers, number, title(static_cast<int>(i)).c_str());
             if (static_cast<int>(i) == base && a.half == actuator.half)
-                fail(Status::ERROR_STATE, "base %d already has an actuator of category %d%s", base, number,
+                fail(Status::ERROR_STATE, "%s already has an actuator of category %d%s", title(base).c_str(), number,
                      a.half == ActuatorHalf::left    ? " in its left half"
                      : a.half == ActuatorHalf::right ? " in its right half"
                                                      : "");
@@ -166,7 +199,8 @@ void ShapeSpace::check_actuator(int base, const Actuator& actuator) const {
 // What a base that names no actuator gets.
 void ShapeSpace::place_actuators(int base) {
     BaseShape& b = bases_[static_cast<std::size_t>(base)];
-    std::vector<Actuator> placed{place_caudal(box_, b.fractions)};
+    std::vector<Actuator> placed;
+    about("build: " + title(base), [&] { placed.push_back(place_caudal(box_, b.fractions)); });
     auto fins = settings_.automatic_fins ? place_fins(box_, b.fractions) : std::nullopt;
     if (fins) {
         for (const BaseShape& other : bases_)
@@ -179,16 +213,32 @@ void ShapeSpace::place_actuators(int base) {
             for (const Actuator& other : bases_[i].actuators)
                 if (other.category == a.category && other.kind != a.kind)
                     fail(Status::ERROR_STATE,
-                         "build: base %d names no actuator and gets automatic %s of category %d, which has another "
-                         "kind in base %zu; give base %d its own or use another category there",
-                         base, a.kind == ActuatorKind::fins ? "fins" : "tail muscles", a.category, i, base);
+                         "build: %s names no actuator and gets automatic %s of category %d, which has another kind in "
+                         "%s; give base %d its own or use another category there",
+                         title(base).c_str(), a.kind == ActuatorKind::fins ? "fins" : "tail muscles", a.category,
+                         title(static_cast<int>(i)).c_str(), base);
         b.actuators.push_back(a);
+    }
+}
+
+// A density is its base's fractions divided by their peak: of a base without a cell that is half covered the body would
+// be several times as thick as the shape.
+void ShapeSpace::check_thickness() const {
+    for (std::size_t i = 0; i < bases_.size(); ++i) {
+        const auto& f = bases_[i].fractions;
+        const double largest = *std::max_element(f.begin(), f.end());
+        if (largest >= 0.5) continue;
+        fail(Status::ERROR_ARGUMENT,
+             "build: %s is too thin for this grid: no cell is covered by half or more, the largest covered fraction is "
+             "%.3g; use more cells (up to %.2g times as many along each axis), a smaller margin, or a thicker shape",
+             title(static_cast<int>(i)).c_str(), largest, largest > 0 ? 0.5 / largest : HUGE_VAL);
     }
 }
 
 void ShapeSpace::build(const std::function<void(int, int)>& progress) {
     require_open("build");
     if (bases_.empty()) fail(Status::ERROR_STATE, "build: the shape space has no bases; add at least one");
+    check_thickness();
     const int total = static_cast<int>(bases_.size());
     const Box before = box_;
     if (progress) progress(0, total);

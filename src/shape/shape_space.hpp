@@ -115,6 +115,7 @@ public:
     void check_weights(const std::vector<double>& weights) const;
 
 private:
+    std::string title(int base) const;  // number and name, for messages
     void require_open(const char* what) const;
     void require_plane(const char* what) const;
     Margin fine_margin() const;
@@ -123,6 +124,7 @@ private:
     void freeze();  // everything that follows from bases and cell size
     void choose_axis();
     void list_actuators();
+    void check_thickness() const;
     void place_actuators(int base);
     void check_actuator(int base, const Actuator& actuator) const;
     std::vector<const Actuator*> actuators_of(const ActuatorSlot& slot) const;

@@ -3,6 +3,7 @@
 // cancelling, and what it refuses. Its file is the subject of test_space_file.cpp.
 #include "density_fixtures.hpp"
 #include "derivative_checks.hpp"
+#include "grid/number_text.hpp"
 #include "shape/mesh_file.hpp"
 #include "shape/shape_space.hpp"
 #include "shape_fixtures.hpp"
@@ -206,7 +207,11 @@ void test_refusals() {
     EXPECT_ERROR(ERROR_ARGUMENT, "cells[77] is 1.5", open.add_fractions("x", cells.data()));
     cells[77] = std::nan("");
     EXPECT_ERROR(ERROR_ARGUMENT, "cells[77] is nan", open.add_fractions("x", cells.data()));
-    EXPECT_ERROR(ERROR_ARGUMENT, "no cell", open.add_fractions("x", Vector(cells.size(), 0.1).data()));
+    cells[77] = 1.0000001192092896;  // a sum in single precision
+    EXPECT_ERROR(ERROR_ARGUMENT, "base 0 ('x'): cells[77] is 1.0000001192092896, expected a covered fraction in [0, 1]",
+                 open.add_fractions("x", cells.data()));
+    EXPECT_ERROR(ERROR_ARGUMENT, "base 0 ('x'): no cell is covered by half or more (largest of cells 0.1, sum",
+                 open.add_fractions("x", Vector(cells.size(), 0.1).data()));
     CHECK(open.bases().empty());
     cells[77] = 0;
     CHECK(open.add_fractions("x", cells.data()) == 0);
@@ -214,6 +219,35 @@ void test_refusals() {
     open.build(nullptr);
     EXPECT_ERROR(ERROR_STATE, "already built", open.build(nullptr));
     EXPECT_ERROR(ERROR_STATE, "frozen", open.add_fractions("y", cells.data()));
+}
+
+// Which of several bases cannot be built, and why: one that no cell holds half of, and one with a gap where its muscle
+// would be.
+void test_errors_name_the_base() {
+    ShapeSpace space(settings_of(small));
+    space.add_fractions("whole", soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3}).data());
+    CHECK(space.add_mesh("sheet", cuboid({-3, -0.02, -1}, {6, 0.04, 2})) == 1);
+    CHECK(space.bases()[1].fractions != Vector(space.bases()[1].fractions.size(), 0.0));
+    EXPECT_ERROR(ERROR_ARGUMENT, "base 1 ('sheet') is too thin for this grid: no cell is covered by half or more",
+                 space.build(nullptr));
+    CHECK(!space.built());
+
+    ShapeSpace apart(settings_of(small));
+    Vector ends = soft_ellipsoid(small, {9, 4, 5}, {7.2, 1.7, 2.3});
+    apart.add_fractions("whole", ends.data());
+    for (int c = 0; c < apart.box().n_cells(); ++c) {
+        const int i = apart.box().cell_ijk(c)[0];
+        if (i > 3 && i < 15) ends[static_cast<std::size_t>(c)] = 0.0;
+    }
+    apart.add_fractions("ends", ends.data());
+    EXPECT_ERROR(ERROR_ARGUMENT, "build: base 1 ('ends'): no body found where its caudal muscle should be",
+                 apart.build(nullptr));
+}
+
+void test_number_text() {
+    CHECK(number_text(1.0000001192092896) == "1.0000001192092896" && number_text(0.1) == "0.1");
+    CHECK(number_text(1.0) == "1" && number_text(-2.5e-300) == "-2.5e-300");
+    CHECK(number_text(-std::nan("")) == "nan" && number_text(-INFINITY) == "-inf");
 }
 
 // Numbers, kinds and halves over the bases become categories, slots and signals.
@@ -230,8 +264,16 @@ void test_categories() {
     Actuator other = fins;
     other.category = 9, other.layers = 2, other.half = ActuatorHalf::left;
     space.add_actuator(0, other);
-    EXPECT_ERROR(ERROR_STATE, "in its left half", space.add_actuator(0, fins));
-    EXPECT_ERROR(ERROR_ARGUMENT, "layers is 3, expected 2", (other.layers = 3, space.add_actuator(1, other)));
+    EXPECT_ERROR(ERROR_STATE, "base 0 ('a') already has an actuator of category 1 in its left half",
+                 space.add_actuator(0, fins));
+    Actuator thick = fins;
+    thick.variance = {0.01, 0.01, 0.010000001};
+    EXPECT_ERROR(ERROR_ARGUMENT,
+                 "base 2 ('c'): variance[2] is 0.010000001, expected the smallest of the three (0.01, 0.01)",
+                 space.add_actuator(2, thick));
+    EXPECT_ERROR(ERROR_ARGUMENT,
+                 "base 1 ('b'): layers is 3, expected 2, which actuators of category 9 have in base 0 ('a')",
+                 (other.layers = 3, space.add_actuator(1, other)));
     Actuator tail;
     tail.variance = {0.01, 0.01, 0.01};
     EXPECT_ERROR(ERROR_ARGUMENT, "kind is 0, expected 1", (tail.category = 9, space.add_actuator(2, tail)));
@@ -247,7 +289,9 @@ void test_categories() {
         Actuator zero = fins;
         zero.category = 0;
         other_use.add_actuator(0, zero);
-        EXPECT_ERROR(ERROR_STATE, "base 1 names no actuator and gets automatic tail muscles of category 0",
+        EXPECT_ERROR(ERROR_STATE,
+                     "base 1 ('b') names no actuator and gets automatic tail muscles of category 0, which has another "
+                     "kind in base 0 ('a')",
                      other_use.build(nullptr));
         CHECK(!other_use.built() && other_use.bases()[1].actuators.empty());
     }
@@ -288,6 +332,8 @@ int main() {
         TEST(test_vertices_give_back_real_animals),
         TEST(test_cancelled_build_leaves_the_space_usable),
         TEST(test_refusals),
+        TEST(test_errors_name_the_base),
+        TEST(test_number_text),
         TEST(test_categories),
         TEST(test_axis),
     };
