@@ -222,7 +222,8 @@ DQA_API dqa_status dqa_shape_space_add_actuator(dqa_shape_space *space, int32_t 
  * none. */
 DQA_API dqa_status dqa_shape_space_get_actuator(const dqa_shape_space *space, int32_t base, int32_t category,
                                                 int32_t side, dqa_actuator_options *options);
-/* Freezes the space: base densities, cell size, automatic actuators, sensor axis. */
+/* Freezes the space: base densities, cell size, automatic actuators, sensor axis. DQA_ERROR_ARGUMENT, with the space as
+ * it was, for a base of which no cell is covered by half or more: it is too thin for the grid. */
 DQA_API dqa_status dqa_shape_space_build(dqa_shape_space *space, dqa_progress progress, void *user_data);
 
 /* What dqa_shape_space_get_info tells. */
