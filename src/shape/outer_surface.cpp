@@ -87,30 +87,11 @@ struct Partner {
     Bounds reach;
 };
 
-struct Edge {
-    int lo, hi, triangle;
-};
-
-std::vector<Edge> edges_of(const std::vector<std::array<int, 3>>& triangles) {
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto [lo, hi] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
-            edges.push_back({lo, hi, static_cast<int>(t)});
-        }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-        if (a.lo != b.lo) return a.lo < b.lo;
-        return a.hi != b.hi ? a.hi < b.hi : a.triangle < b.triangle;
-    });
-    return edges;
-}
-
 class Weigher {
 public:
     Weigher(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles,
-            const TriangleCrossings& crossings)
-        : vertices_(vertices), triangles_(triangles), crossings_(crossings) {
+            const std::vector<TriangleEdge>& edges, const TriangleCrossings& crossings)
+        : vertices_(vertices), triangles_(triangles), edges_(edges), crossings_(crossings) {
         normal_.reserve(triangles.size());
         for (int t = 0; t < size(); ++t) {
             const Vec3 n = cross(minus(corner(t, 1), corner(t, 0)), minus(corner(t, 2), corner(t, 0)));
@@ -125,7 +106,7 @@ public:
             if (!crossings_.any(t))
                 keep(whole(t), weight[idx(t)]);
             else if (dot(normal_[idx(t)], normal_[idx(t)]) > 0)
-                split(t, whole(t), partners_of(t));
+                split(t, whole(t), partners_of(t), 0);
         }
         return std::move(out_);
     }
@@ -155,11 +136,10 @@ private:
             while (parent[idx(i)] != i) i = parent[idx(i)] = parent[idx(parent[idx(i)])];
             return i;
         };
-        const std::vector<Edge> edges = edges_of(triangles_);
-        for (std::size_t e = 0; e < edges.size();) {
+        for (std::size_t e = 0; e < edges_.size();) {
             std::size_t end = e;
-            while (end < edges.size() && edges[end].lo == edges[e].lo && edges[end].hi == edges[e].hi) ++end;
-            const int s = edges[e].triangle, t = edges[end - 1].triangle;
+            while (end < edges_.size() && edges_[end].lo == edges_[e].lo && edges_[end].hi == edges_[e].hi) ++end;
+            const int s = edges_[e].triangle, t = edges_[end - 1].triangle;
             if (end - e == 2 && !crossings_.any(s) && !crossings_.any(t)) parent[idx(root(s))] = root(t);
             e = end;
         }
@@ -226,20 +206,25 @@ private:
         return planes;
     }
 
-    // Cuts a piece of triangle t along those of its partners that reach it, and keeps what bounds the solid.
-    void split(int t, const ConvexPolygon& piece, const std::vector<Partner>& near_parent) {
+    // Cuts a piece of triangle t along those of its partners that reach it, and keeps what bounds the solid. The first
+    // `settled` partners do not divide the piece.
+    void split(int t, const ConvexPolygon& piece, const std::vector<Partner>& near_parent, std::size_t settled) {
         const Bounds bounds = bounds_of(piece);
         std::vector<Partner> partners;
-        for (const Partner& p : near_parent)
-            if (p.reach.near(bounds, kTouching)) partners.push_back(p);
-        if (halve(t, piece, bounds, partners)) return;
-        for (const Partner& p : partners)
-            for (const Plane& plane : dividing_planes(t, p.triangle)) {
-                ConvexPolygon below, above;
+        std::size_t begin = 0;
+        for (std::size_t k = 0; k < near_parent.size(); ++k)
+            if (near_parent[k].reach.near(bounds, kTouching)) {
+                partners.push_back(near_parent[k]);
+                begin += k < settled;
+            }
+        if (halve(t, piece, bounds, partners, begin)) return;
+        for (std::size_t k = begin; k < partners.size(); ++k)
+            for (const Plane& plane : dividing_planes(t, partners[k].triangle)) {
                 if (!plane.parts(piece)) continue;
+                ConvexPolygon below, above;
                 cut(piece, [&](const Vec3& x) { return plane.height(x); }, below, above);
                 if (!has_area(below) || !has_area(above)) continue;
-                split(t, below, partners), split(t, above, partners);
+                split(t, below, partners, k), split(t, above, partners, k);
                 return;
             }
         keep(piece, weigh(t, piece, partners));
@@ -247,7 +232,8 @@ private:
 
     // Of many partners most reach only one half of a piece: halving first saves cutting along all of them. A piece with
     // many corners is halved between them.
-    bool halve(int t, const ConvexPolygon& piece, const Bounds& bounds, const std::vector<Partner>& partners) {
+    bool halve(int t, const ConvexPolygon& piece, const Bounds& bounds, const std::vector<Partner>& partners,
+               std::size_t settled) {
         constexpr std::size_t kFew = 8;
         ConvexPolygon one, other;
         if (piece.n > OuterSurface::kMostCorners) {
@@ -260,11 +246,11 @@ private:
             const double middle = 0.5 * (bounds.lo[axis] + bounds.hi[axis]);
             std::size_t both = 0;
             for (const Partner& p : partners) both += p.reach.lo[axis] <= middle && p.reach.hi[axis] >= middle;
-            if (partners.size() <= kFew || 2 * both > partners.size()) return false;
+            if (partners.size() <= settled + kFew || 2 * both > partners.size()) return false;
             cut(piece, [&](const Vec3& x) { return x[axis] - middle; }, one, other);
             if (!has_area(one) || !has_area(other)) return false;
         }
-        split(t, one, partners), split(t, other, partners);
+        split(t, one, partners, settled), split(t, other, partners, settled);
         return true;
     }
 
@@ -305,6 +291,7 @@ private:
 
     const std::vector<Vec3>& vertices_;
     const std::vector<std::array<int, 3>>& triangles_;
+    const std::vector<TriangleEdge>& edges_;
     const TriangleCrossings& crossings_;
     std::vector<Vec3> normal_;                               // of unit length; 0 where a triangle has no area
     std::array<std::unique_ptr<WindingNumber>, 3> winding_;  // by the axis of the rays, made when needed
@@ -317,8 +304,10 @@ OuterSurface outer_surface(const std::vector<Vec3>& vertices, const std::vector<
     std::vector<Vec3> rounded = vertices;
     for (Vec3& v : rounded)
         for (double& x : v) x = std::round(x / kGrid) * kGrid;
-    const TriangleCrossings crossings = triangle_crossings(rounded, triangles);
-    OuterSurface surface = Weigher(crossings.partner.empty() ? vertices : rounded, triangles, crossings).surface();
+    const std::vector<TriangleEdge> edges = triangle_edges(triangles);
+    const TriangleCrossings crossings = triangle_crossings(rounded, triangles, edges);
+    OuterSurface surface =
+        Weigher(crossings.partner.empty() ? vertices : rounded, triangles, edges, crossings).surface();
     if (surface.simple) {
         surface.corner.clear(), surface.first.assign(1, 0);
         for (const auto& t : triangles) {

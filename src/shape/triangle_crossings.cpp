@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Pairs of triangles that meet: a tree of bounding boxes finds the candidates, separating axes decide. Two triangles
-// are apart if they are along one of a few axes: the normals, the normals' products with the edges and the products of
-// the edges.
+// Triangles meet where an edge of one meets the other, so every edge is held against the triangles near it, which a
+// tree of bounding boxes finds. An edge and a triangle with a common corner need no test: where they meet elsewhere,
+// the edge opposite of the corner in one of the two triangles meets the other. Separating axes decide: two convex sets
+// are apart if they are along one of a few axes.
 #include "shape/triangle_crossings.hpp"
 
 #include <algorithm>
@@ -29,84 +30,38 @@ bool gap_along(const Triangle& p, const Triangle& q, const Vec3& axis) {
     return gap > 0 && gap * gap > kTouching * kTouching * dot(axis, axis);
 }
 
-// Two edges that start at the common corner of triangles: the cone of one of them.
-using Cone = std::array<Vec3, 2>;
-
-// Whether the plane through the corner across `axis` has one cone strictly on one side and the other not beyond it.
-bool cones_apart(const Cone& p, const Cone& q, const Vec3& axis) {
-    const auto [p_lo, p_hi] = std::minmax({dot(p[0], axis), dot(p[1], axis)});
-    const auto [q_lo, q_hi] = std::minmax({dot(q[0], axis), dot(q[1], axis)});
-    if (!(q_lo > 0 || p_hi < 0 || p_lo > 0 || q_hi < 0)) return false;
-    const double length = norm(axis), strict = kTouching * length, rounding = 1e-2 * strict;
-    return (p_hi <= rounding && q_lo > strict) || (p_hi < -strict && q_lo >= -rounding) ||
-           (q_hi <= rounding && p_lo > strict) || (q_hi < -strict && p_lo >= -rounding);
-}
-
-class Pairs {
+class Meetings {
 public:
-    Pairs(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles)
+    Meetings(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles)
         : vertices_(vertices), triangles_(triangles) {
         normal_.reserve(triangles.size());
         for (const auto& t : triangles) normal_.push_back(cross(minus(at(t[1]), at(t[0])), minus(at(t[2]), at(t[0]))));
     }
 
-    bool meet(int s, int t) const {
-        std::array<int, 3> a = triangles_[idx(s)], b = triangles_[idx(t)];
-        // Common corners come first in both, in the same order.
-        std::size_t common = 0;
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = common; j < 3; ++j)
-                if (a[i] == b[j]) {
-                    std::swap(a[common], a[i]), std::swap(b[common], b[j]);
-                    ++common;
-                    break;
-                }
-        const Vec3 &n = normal_[idx(s)], &m = normal_[idx(t)];
-        // Relative to one corner rounding is that of the triangles' size, not of their place.
-        const Vec3& origin = at(a[0]);
-        const Triangle p{Vec3{0, 0, 0}, minus(at(a[1]), origin), minus(at(a[2]), origin)};
-        const Triangle q{minus(at(b[0]), origin), minus(at(b[1]), origin), minus(at(b[2]), origin)};
-        switch (common) {
-            case 0:
-                return meet_apart(p, q, n, m);
-            case 1:
-                return meet_beyond_corner({p[1], p[2]}, {q[1], q[2]}, n, m);
-            case 2:
-                return folded(p[1], p[2], q[2]);
-            default:
-                return true;
+    // Whether an edge meets a triangle that has none of its ends for a corner.
+    bool pierces(int from, int to, int t) const {
+        // Relative to one corner rounding is that of the triangle's size, not of its place.
+        const Vec3& origin = at(triangles_[idx(t)][0]);
+        const Vec3 start = minus(at(from), origin), end = minus(at(to), origin), along = minus(end, start);
+        const Vec3& n = normal_[idx(t)];
+        // Both ends on one side of the plane: that decides nearly all, so it comes first.
+        const double one = dot(n, start), other = dot(n, end), least = std::min(std::fabs(one), std::fabs(other));
+        if ((one > 0) == (other > 0) && least * least > kTouching * kTouching * dot(n, n)) return false;
+        const Triangle p{Vec3{0, 0, 0}, minus(at(triangles_[idx(t)][1]), origin),
+                         minus(at(triangles_[idx(t)][2]), origin)};
+        const Triangle q{start, end, end};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3 side = minus(p[(k + 1) % 3], p[k]);
+            if (gap_along(p, q, cross(n, side)) || gap_along(p, q, cross(along, side))) return false;
         }
+        return !gap_along(p, q, cross(n, along)) && !gap_along(p, q, along);
     }
 
-private:
-    const Vec3& at(int i) const { return vertices_[idx(i)]; }
-
-    // The planes of the triangles decide nearly all candidates, so they come first.
-    static bool meet_apart(const Triangle& p, const Triangle& q, const Vec3& n, const Vec3& m) {
-        if (gap_along(p, q, n) || gap_along(p, q, m)) return false;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3 e = minus(p[(i + 1) % 3], p[i]), f = minus(q[(i + 1) % 3], q[i]);
-            if (gap_along(p, q, cross(n, e)) || gap_along(p, q, cross(m, f))) return false;
-            for (std::size_t j = 0; j < 3; ++j)
-                if (gap_along(p, q, cross(e, minus(q[(j + 1) % 3], q[j])))) return false;
-        }
-        return true;
-    }
-
-    static bool meet_beyond_corner(const Cone& p, const Cone& q, const Vec3& n, const Vec3& m) {
-        if (cones_apart(p, q, n) || cones_apart(p, q, m)) return false;
-        for (const Vec3& e : p)
-            if (cones_apart(p, q, cross(n, e))) return false;
-        for (const Vec3& f : q)
-            if (cones_apart(p, q, cross(m, f))) return false;
-        for (const Vec3& e : p)
-            for (const Vec3& f : q)
-                if (cones_apart(p, q, cross(e, f))) return false;
-        return true;
-    }
-
-    // Triangles with a common edge meet elsewhere only if one is folded onto the other.
-    static bool folded(const Vec3& edge, const Vec3& p, const Vec3& q) {
+    // Whether triangles with a common edge meet elsewhere: only if one is folded onto the other.
+    bool folded(const TriangleEdge& one, const TriangleEdge& other) const {
+        const Vec3& origin = at(one.lo);
+        const Vec3 edge = minus(at(one.hi), origin), p = minus(at(opposite(one)), origin),
+                   q = minus(at(opposite(other)), origin);
         const double square = dot(edge, edge);
         if (!(square > 0)) return true;
         const Vec3 a = minus(p, scaled(edge, dot(p, edge) / square)), b = minus(q, scaled(edge, dot(q, edge) / square));
@@ -117,6 +72,13 @@ private:
         return dot(turn, turn) <= touching2 * std::max(a2, b2);
     }
 
+private:
+    const Vec3& at(int i) const { return vertices_[idx(i)]; }
+    int opposite(const TriangleEdge& e) const {
+        const auto& t = triangles_[idx(e.triangle)];
+        return t[0] != e.lo && t[0] != e.hi ? t[0] : t[1] != e.lo && t[1] != e.hi ? t[1] : t[2];
+    }
+
     const std::vector<Vec3>& vertices_;
     const std::vector<std::array<int, 3>>& triangles_;
     std::vector<Vec3> normal_;  // of twice the area
@@ -125,7 +87,8 @@ private:
 // Binary tree over triangles, halved along the longest side of the boxes down to kLeaf triangles.
 class BoundsTree {
 public:
-    BoundsTree(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles) {
+    BoundsTree(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles)
+        : triangles_(triangles) {
         for (const auto& t : triangles) {
             Bounds b;
             for (const int i : t) b.include(vertices[idx(i)]);
@@ -136,10 +99,10 @@ public:
         root_ = build(0, static_cast<int>(order_.size()));
     }
 
-    // f(s, t) once for each pair of triangles whose boxes come near.
+    // f(t) for the triangles whose boxes come near and of which neither `from` nor `to` is a corner.
     template <class F>
-    void for_pairs(const F& f) const {
-        within(root_, f);
+    void for_near(const Bounds& box, int from, int to, const F& f) const {
+        visit(root_, box, from, to, f);
     }
 
 private:
@@ -147,15 +110,19 @@ private:
     struct Node {
         Bounds bounds;
         int begin, end;
-        int left, right;  // -1 in a leaf
+        int left, right;            // -1 in a leaf
+        std::array<int, 3> common;  // corners of all its triangles: a fan is passed over at once; -1: none
     };
 
     int build(int begin, int end) {
         Bounds b;
         for (int i = begin; i < end; ++i) b.include(boxes_[idx(order_[idx(i)])]);
         const int self = static_cast<int>(nodes_.size());
-        nodes_.push_back({b, begin, end, -1, -1});
-        if (end - begin <= kLeaf) return self;
+        nodes_.push_back({b, begin, end, -1, -1, triangles_[idx(order_[idx(begin)])]});
+        if (end - begin <= kLeaf) {
+            for (int i = begin + 1; i < end; ++i) keep_common(nodes_[idx(self)], triangles_[idx(order_[idx(i)])]);
+            return self;
+        }
         const std::size_t axis = b.longest_axis();
         const int middle = begin + (end - begin) / 2;
         std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int s, int t) {
@@ -164,41 +131,38 @@ private:
             return x != y ? x < y : s < t;
         });
         const int left = build(begin, middle), right = build(middle, end);
-        nodes_[idx(self)].left = left, nodes_[idx(self)].right = right;
+        Node& node = nodes_[idx(self)];
+        node.left = left, node.right = right, node.common = nodes_[idx(left)].common;
+        keep_common(node, nodes_[idx(right)].common);
         return self;
     }
 
+    static void keep_common(Node& node, const std::array<int, 3>& others) {
+        for (int& c : node.common)
+            if (std::find(others.begin(), others.end(), c) == others.end()) c = -1;
+    }
+
+    static bool has(const std::array<int, 3>& corners, int from, int to) {
+        for (const int c : corners)
+            if (c == from || c == to) return true;
+        return false;
+    }
+
     template <class F>
-    void within(int a, const F& f) const {
-        const Node& n = nodes_[idx(a)];
-        if (n.left < 0) {
-            for (int i = n.begin; i < n.end; ++i)
-                for (int j = i + 1; j < n.end; ++j) candidate(i, j, f);
+    void visit(int number, const Bounds& box, int from, int to, const F& f) const {
+        const Node& n = nodes_[idx(number)];
+        if (!n.bounds.near(box, kTouching) || has(n.common, from, to)) return;
+        if (n.left >= 0) {
+            visit(n.left, box, from, to, f), visit(n.right, box, from, to, f);
             return;
         }
-        within(n.left, f), within(n.right, f), between(n.left, n.right, f);
-    }
-
-    template <class F>
-    void between(int a, int b, const F& f) const {
-        const Node &p = nodes_[idx(a)], &q = nodes_[idx(b)];
-        if (!p.bounds.near(q.bounds, kTouching)) return;
-        if (p.left < 0 && q.left < 0) {
-            for (int i = p.begin; i < p.end; ++i)
-                for (int j = q.begin; j < q.end; ++j) candidate(i, j, f);
-        } else if (q.left < 0 || (p.left >= 0 && p.end - p.begin >= q.end - q.begin)) {
-            between(p.left, b, f), between(p.right, b, f);
-        } else {
-            between(a, q.left, f), between(a, q.right, f);
+        for (int i = n.begin; i < n.end; ++i) {
+            const int t = order_[idx(i)];
+            if (!has(triangles_[idx(t)], from, to) && boxes_[idx(t)].near(box, kTouching)) f(t);
         }
     }
 
-    template <class F>
-    void candidate(int i, int j, const F& f) const {
-        const int s = order_[idx(i)], t = order_[idx(j)];
-        if (boxes_[idx(s)].near(boxes_[idx(t)], kTouching)) f(s, t);
-    }
-
+    const std::vector<std::array<int, 3>>& triangles_;
     std::vector<Bounds> boxes_;  // of the triangles
     std::vector<int> order_;     // of the triangles in the leaves
     std::vector<Node> nodes_;
@@ -207,15 +171,43 @@ private:
 
 }  // namespace
 
-TriangleCrossings triangle_crossings(const std::vector<Vec3>& vertices,
-                                     const std::vector<std::array<int, 3>>& triangles) {
-    std::vector<std::pair<int, int>> found;
-    const Pairs pairs(vertices, triangles);
-    BoundsTree(vertices, triangles).for_pairs([&](int s, int t) {
-        if (!pairs.meet(s, t)) return;
-        found.emplace_back(s, t), found.emplace_back(t, s);
+std::vector<TriangleEdge> triangle_edges(const std::vector<std::array<int, 3>>& triangles) {
+    std::vector<TriangleEdge> edges;
+    edges.reserve(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [lo, hi] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+            edges.push_back({lo, hi, static_cast<int>(t)});
+        }
+    std::sort(edges.begin(), edges.end(), [](const TriangleEdge& a, const TriangleEdge& b) {
+        if (a.lo != b.lo) return a.lo < b.lo;
+        return a.hi != b.hi ? a.hi < b.hi : a.triangle < b.triangle;
     });
+    return edges;
+}
+
+TriangleCrossings triangle_crossings(const std::vector<Vec3>& vertices,
+                                     const std::vector<std::array<int, 3>>& triangles,
+                                     const std::vector<TriangleEdge>& edges) {
+    std::vector<std::pair<int, int>> found;
+    const auto pair = [&](int s, int t) { found.emplace_back(s, t), found.emplace_back(t, s); };
+    const Meetings meetings(vertices, triangles);
+    const BoundsTree tree(vertices, triangles);
+    for (std::size_t e = 0, end = 0; e < edges.size(); e = end) {
+        const TriangleEdge& edge = edges[e];
+        while (end < edges.size() && edges[end].lo == edge.lo && edges[end].hi == edge.hi) ++end;
+        Bounds box;
+        box.include(vertices[idx(edge.lo)]), box.include(vertices[idx(edge.hi)]);
+        tree.for_near(box, edge.lo, edge.hi, [&](int t) {
+            if (!meetings.pierces(edge.lo, edge.hi, t)) return;
+            for (std::size_t k = e; k < end; ++k) pair(edges[k].triangle, t);
+        });
+        for (std::size_t i = e; i < end; ++i)
+            for (std::size_t k = i + 1; k < end; ++k)
+                if (meetings.folded(edges[i], edges[k])) pair(edges[i].triangle, edges[k].triangle);
+    }
     std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
     TriangleCrossings out;
     out.first.assign(triangles.size() + 1, 0);
     for (const auto& [s, t] : found) ++out.first[idx(s) + 1], out.partner.push_back(t);

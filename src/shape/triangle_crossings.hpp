@@ -21,8 +21,16 @@ struct TriangleCrossings {
     bool any(int t) const { return first[static_cast<std::size_t>(t)] != first[static_cast<std::size_t>(t) + 1]; }
 };
 
+struct TriangleEdge {
+    int lo, hi;  // numbers of its ends
+    int triangle;
+};
+// Three a triangle; those with the same ends follow one another, by triangle.
+std::vector<TriangleEdge> triangle_edges(const std::vector<std::array<int, 3>>& triangles);
+
 // Errs on the side of naming a pair that only comes near; never misses one that meets.
 TriangleCrossings triangle_crossings(const std::vector<Vec3>& vertices,
-                                     const std::vector<std::array<int, 3>>& triangles);
+                                     const std::vector<std::array<int, 3>>& triangles,
+                                     const std::vector<TriangleEdge>& edges);
 
 }  // namespace dqa
