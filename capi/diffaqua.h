@@ -57,7 +57,8 @@ typedef int32_t dqa_status;
 DQA_API const char *dqa_version(void);
 /* ABI generation (the SOVERSION); programs may refuse a library whose number differs from DQA_ABI_VERSION. */
 DQA_API int32_t dqa_abi_version(void);
-/* Space-separated list of what this build can do, e.g. "assimp cholmod umfpack openmp avx2 avx512". Static. */
+/* Space-separated list of what this build can do, e.g. "stl obj ply cholmod umfpack openmp avx2 avx512": mesh
+ * files that it reads, solvers, instruction sets. Static. */
 DQA_API const char *dqa_features(void);
 /* "DQA_ERROR_MESH" for a code, "unknown status" otherwise. Static. */
 DQA_API const char *dqa_status_name(dqa_status status);
@@ -158,7 +159,13 @@ DQA_API void dqa_shape_space_free(dqa_shape_space *space);
 DQA_API dqa_status dqa_shape_space_add_mesh(dqa_shape_space *space, const char *name, const double *vertices,
                                             int64_t n_vertices, const int32_t *triangles, int64_t n_triangles,
                                             int32_t *base);
-/* The same from an STL (binary or ASCII), OBJ or PLY file; the base is named after the file. */
+/* The same from an STL (binary or ASCII), OBJ or PLY file (ASCII or binary); the base is named after the file, whose
+ * extension tells the format. Polygons and triangle strips are cut into triangles; normals, texture coordinates, colours
+ * and whatever else a file holds are passed over. Coordinates are kept in double precision. Time and memory grow with
+ * the file's size, 1 GiB at most. In both calls vertices within 1e-6 of the mesh's extent are merged where only that
+ * closes it (with a log message). DQA_ERROR_IO for what cannot be read or is no regular file, DQA_ERROR_FILE for content
+ * that is not understood (the message names the line or element, and what was expected), DQA_ERROR_MESH for a surface
+ * that is not closed, DQA_CANCELLED. */
 DQA_API dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space *space, const char *path, int32_t *base);
 /* Adds a base from covered fractions in [0, 1], shape [cells_x][cells_y][cells_z]; n = product of the three. */
 DQA_API dqa_status dqa_shape_space_add_density(dqa_shape_space *space, const char *name, const double *cells, int64_t n,

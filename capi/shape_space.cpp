@@ -197,7 +197,8 @@ dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space* space, const char* pat
         const std::size_t first = slash == std::string::npos ? 0 : slash + 1;
         const std::string name =
             file.substr(first, dot == std::string::npos || dot < first ? std::string::npos : dot - first);
-        const int index = space->core->add_mesh(name, dqa::read_mesh_file(file));
+        const int index = 
+            space->core->add_mesh(name, dqa::read_mesh_file(file, [&] { check_cancel(space->cancel); }));
         if (base) *base = index;
     });
 }

@@ -13,7 +13,6 @@ abigail-tools          # the ABI against the dump that was frozen
 libeigen3-dev          # small matrices, sparse fall-back solvers
 libsuitesparse-dev     # CHOLMOD and UMFPACK: sparse factorisations
 libopenblas-dev        # BLAS under CHOLMOD
-libassimp-dev          # STL, OBJ and PLY meshes
 libcmocka-dev          # test framework
 gcovr                  # line coverage
 gnuplot-nox            # the pictures of codesign

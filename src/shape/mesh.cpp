@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
+#include <unordered_map>
 
 #include "grid/error.hpp"
 #include "grid/log.hpp"
 
 namespace dqa {
 namespace {
+
+constexpr double kSeam = 1e-6;  // of the extent: vertices that close may be meant as one
 
 std::size_t idx(int i) {
     return static_cast<std::size_t>(i);
@@ -148,6 +152,44 @@ TriangleMesh weld(const TriangleMesh& in, MeshReport& report) {
     return out;
 }
 
+// Every vertex at the place of the first one within `reach` of it; returns how many that moved.
+int snap(TriangleMesh& mesh, double reach) {
+    using Key = std::array<std::int64_t, 3>;
+    struct Hash {
+        std::size_t operator()(const Key& k) const {
+            std::uint64_t h = 0;
+            for (const std::int64_t x : k)
+                h = (h ^ static_cast<std::uint64_t>(x)) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
+            return static_cast<std::size_t>(h);
+        }
+    };
+    const Vec3 origin = bounds_of(mesh).lo;
+    // First ones are further apart than the side of a cell, so that a cell holds only a few.
+    std::unordered_map<Key, std::vector<int>, Hash> cells;
+    int moved = 0;
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        Vec3& v = mesh.vertices[i];
+        Key key;
+        for (std::size_t a = 0; a < 3; ++a) key[a] = static_cast<std::int64_t>((v[a] - origin[a]) / reach);
+        int found = -1;
+        for (int o = 0; o < 27 && found < 0; ++o) {
+            const auto at = cells.find({key[0] + o / 9 - 1, key[1] + o / 3 % 3 - 1, key[2] + o % 3 - 1});
+            if (at == cells.end()) continue;
+            for (const int first : at->second) {
+                const Vec3 d = sub(mesh.vertices[idx(first)], v);
+                if (found < 0 && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= reach * reach) found = first;
+            }
+        }
+        if (found < 0) {
+            cells[key].push_back(static_cast<int>(i));
+        } else if (v != mesh.vertices[idx(found)]) {
+            v = mesh.vertices[idx(found)];
+            ++moved;
+        }
+    }
+    return moved;
+}
+
 // Counts edges and components; `bad` receives the middle of the first unbalanced edge.
 void count_topology(const TriangleMesh& mesh, MeshReport& report, std::vector<int>& component, Vec3& bad) {
     const std::vector<Edge> edges = directed_edges(mesh);
@@ -257,11 +299,28 @@ TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, Me
     std::vector<int> component;
     Vec3 bad{0, 0, 0};
     count_topology(mesh, r, component, bad);
+    if (r.boundary_edges > 0) {
+        // Vertices of one place that differ in their last digits, as programs write them, leave seams.
+        TriangleMesh snapped = in;
+        const int moved = snap(snapped, kSeam * b.largest());
+        MeshReport of_snapped;
+        const TriangleMesh closed = weld(snapped, of_snapped);
+        std::vector<int> its_component;
+        Vec3 its_bad{0, 0, 0};
+        if (moved > 0 && !closed.triangles.empty()) count_topology(closed, of_snapped, its_component, its_bad);
+        if (moved > 0 && !closed.triangles.empty() && of_snapped.boundary_edges == 0) {
+            log_message(LogLevel::warning,
+                        "mesh '%s': it closes only when vertices within %g of each other count as one; %d were moved",
+                        name.c_str(), kSeam * b.largest(), moved);
+            of_snapped.length_x = r.length_x, of_snapped.length_y = r.length_y, of_snapped.length_z = r.length_z;
+            mesh = closed, r = of_snapped, component = its_component, bad = its_bad;
+        }
+    }
     if (r.boundary_edges > 0)
         fail(Status::ERROR_MESH,
              "mesh '%s' is open: %d boundary edges, the first at (%g, %g, %g); expected a closed surface where every "
              "edge "
-             "has two triangles. Fill its holes (and merge vertices that nearly coincide) in a mesh editor",
+             "has two triangles. Fill its holes in a mesh editor",
              name.c_str(), r.boundary_edges, bad[0], bad[1], bad[2]);
     if (r.flipped_edges > 0)
         fail(Status::ERROR_MESH,

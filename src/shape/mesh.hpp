@@ -38,8 +38,8 @@ enum MeshUp : int { UP_AUTO = 0, UP_Z = 1, UP_Y = 2 };
 double mesh_volume(const TriangleMesh& mesh);
 Vec3 mesh_centre_of_mass(const TriangleMesh& mesh);
 
-// Welded, non-degenerate, closed, outward-oriented copy of `in`, or Error with Status::ERROR_MESH. `name` appears in
-// messages. `report` may be null.
+// Welded, non-degenerate, closed, outward-oriented copy of `in`, or Error with Status::ERROR_MESH. Vertices within 1e-6
+// of the extent are merged, too, where only that closes the mesh. `name` appears in messages. `report` may be null.
 TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, MeshReport* report);
 
 // How far a closed mesh is from its mirror image across the plane through its centre of mass normal to `axis` (1 or 2):

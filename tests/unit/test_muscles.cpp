@@ -207,7 +207,6 @@ void test_rollout_by_alpha() {
 
 // Automatic muscles make the shipped eels swim head first.
 void test_eels_swim_head_first() {
-#ifdef DQA_HAVE_ASSIMP
     for (const char* name : {"eel_vertical", "eel_horizontal"}) {
         ShapeSettings s;
         s.cells = {34, 8, 10}, s.sigma = 0.7;
@@ -229,9 +228,6 @@ void test_eels_swim_head_first() {
         print_message("%s travels %.1f mm\n", name, 1e3 * travel);
         CHECK(travel > 0.005);
     }
-#else
-    throw Skipped{};
-#endif
 }
 
 }  // namespace

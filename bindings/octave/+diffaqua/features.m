@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: MIT
-% What the library was built with, as a cell array: {'assimp', 'openmp', ...}.
+% What the library was built with, as a cell array: {'stl', 'openmp', ...}.
 function list = features ()
   list = strsplit (strtrim (diffaqua.internal.call ('features')), ' ');
 end

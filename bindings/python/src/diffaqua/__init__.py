@@ -36,7 +36,7 @@ __version__ = _text(_lib.dqa_version())
 
 
 def features() -> frozenset[str]:
-    """What the library was built with, e.g. "assimp", "openmp", "avx2"."""
+    """What the library was built with, e.g. "stl", "openmp", "avx2"."""
     return frozenset(_text(_lib.dqa_features()).split())
 
 

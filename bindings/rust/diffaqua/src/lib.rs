@@ -82,7 +82,7 @@ pub fn abi_version() -> i32 {
     unsafe { sys::dqa_abi_version() }
 }
 
-/// What the loaded library can do, separated by spaces, e.g. "assimp cholmod umfpack openmp avx2 avx512".
+/// What the loaded library can do, separated by spaces, e.g. "stl obj ply cholmod umfpack openmp avx2 avx512".
 pub fn features() -> &'static str {
     // SAFETY: a static string, as the header says.
     unsafe { handle::static_text(sys::dqa_features()) }
