@@ -147,7 +147,7 @@ dqa_status dqa_controller_get_info(const dqa_controller* controller, dqa_control
 }
 
 void dqa_controller_free(dqa_controller* controller) {
-    delete controller;
+    free_handle(controller);
 }
 
 dqa_status dqa_controller_n_parameters(const dqa_controller* controller, int64_t* n) {
@@ -167,7 +167,8 @@ dqa_status dqa_controller_get_parameters(const dqa_controller* controller, doubl
 
 dqa_status dqa_controller_set_parameters(dqa_controller* controller, const double* theta, int64_t n) {
     return guard([&] {
-        require(controller, "controller"), require(theta, "theta");
+        const Change change(controller, "controller");
+        require(theta, "theta");
         require_count(n, static_cast<int64_t>(controller->core->parameters().size()), "n", "theta [n_parameters]");
         controller->core->set_parameters(std::vector<double>(theta, theta + n));
     });
@@ -177,6 +178,7 @@ dqa_status dqa_controller_evaluate(const dqa_controller* controller, int64_t ste
                                    int64_t n_sensors, double* actuation, int64_t n) {
     return guard([&] {
         require(controller, "controller"), require(actuation, "actuation");
+        const Read reads(controller, "controller");
         const dqa::Controller& c = *controller->core;
         require_count(n, c.n_signals(), "n", "actuation [n_signals]");
         if (step < 0) fail(Status::ERROR_ARGUMENT, "step is %" PRId64 ", expected an index >= 0", step);

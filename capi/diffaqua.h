@@ -82,8 +82,10 @@ typedef void (*dqa_log_handler)(int32_t level, const char *message, void *user_d
 DQA_API dqa_status dqa_set_log_handler(dqa_log_handler handler, int32_t level, void *user_data);
 
 /* Progress of a long call: `done` of `total` units; called on the calling thread; non-zero cancels (DQA_CANCELLED). This
- * and every other callback may read the objects of the call that it comes from; a change of the simulator that is being
- * stepped or given a design is refused (DQA_ERROR_STATE), and none of them may be freed. */
+ * and every other callback, log handlers among them, may call any function with any handle: reads of the objects of the
+ * call that it comes from are answered, a change of one (the simulator that is being stepped, the tape that is being
+ * recorded, the adjoint that sweeps, the controller that drives, the space that is being built) is refused with
+ * DQA_ERROR_STATE, and one that is freed lives until the call ends. */
 typedef int32_t (*dqa_progress)(int64_t done, int64_t total, void *user_data);
 
 /* ------------------------------------------------------------------ cancel token */

@@ -8,10 +8,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "diffaqua.h"
 #include "grid/error.hpp"
+#include "lease.hpp"
 #include "tape/gradient_check.hpp"
 #include "tape/reader.hpp"
 #include "tape/tape.hpp"
@@ -19,11 +21,11 @@
 struct dqa_cancel_token {
     std::shared_ptr<std::atomic<int>> flag;
 };
-struct dqa_shape_space {
+struct dqa_shape_space : dqa::capi::Handle {
     std::shared_ptr<dqa::ShapeSpace> core;
     std::shared_ptr<std::atomic<int>> cancel;
 };
-struct dqa_simulator {
+struct dqa_simulator : dqa::capi::Handle {
     std::shared_ptr<const dqa::ShapeSpace> space;
     dqa::SceneSettings scene;
     std::unique_ptr<dqa::Simulation> simulation;               // null before the first design
@@ -32,9 +34,8 @@ struct dqa_simulator {
     std::int64_t newton_iterations = 0, linear_iterations = 0;
     std::shared_ptr<std::atomic<std::int64_t>> adjoint_iterations = std::make_shared<std::atomic<std::int64_t>>(0);
     double last_residual = 0.0, setup_seconds = 0.0;
-    bool in_use = false;  // by a call that changes it; a callback of that call must not change it too
 };
-struct dqa_controller {
+struct dqa_controller : dqa::capi::Handle {
     std::unique_ptr<dqa::Controller> core;
 };
 
@@ -46,6 +47,7 @@ struct TapeState {
     std::shared_ptr<Tape> tape;
     // For dqa_tape_get_state and _surface: states computed again are not lost between the calls.
     std::mutex reading;
+    std::atomic<std::thread::id> reads;  // the thread that holds it
     TapeReader reader{*tape};
     std::shared_ptr<int> simulator;
     std::shared_ptr<std::atomic<std::int64_t>> simulator_adjoint_iterations;
@@ -56,10 +58,13 @@ struct TapeState {
 
 }  // namespace dqa::capi
 
-struct dqa_tape {
+struct dqa_tape : dqa::capi::Handle {
     std::shared_ptr<dqa::capi::TapeState> state;
 };
-struct dqa_adjoint {
+struct dqa_adjoint : dqa::capi::Handle {
+    ~dqa_adjoint() {
+        if (state) --state->adjoints;
+    }
     std::shared_ptr<dqa::capi::TapeState> state;
     std::unique_ptr<dqa::Adjoint> core;
     std::shared_ptr<std::atomic<int>> cancel;

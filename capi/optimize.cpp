@@ -12,7 +12,7 @@ using dqa::CmaEs;
 using dqa::fail;
 using dqa::Status;
 
-struct dqa_cma_es {
+struct dqa_cma_es : dqa::capi::Handle {
     std::unique_ptr<CmaEs> core;
 };
 
@@ -72,12 +72,13 @@ dqa_status dqa_cma_es_create(const dqa_cma_es_options* options, const double* me
 }
 
 void dqa_cma_es_free(dqa_cma_es* search) {
-    delete search;
+    free_handle(search);
 }
 
 dqa_status dqa_cma_es_ask(dqa_cma_es* search, double* candidates, int64_t count) {
     return guard([&] {
-        require(search, "search"), require(candidates, "candidates");
+        const Change change(search, "search");
+        require(candidates, "candidates");
         CmaEs& core = *search->core;
         require_count(count, int64_t{core.population()} * core.n(), "count", "candidates [population][n]");
         core.ask(candidates);
@@ -86,7 +87,8 @@ dqa_status dqa_cma_es_ask(dqa_cma_es* search, double* candidates, int64_t count)
 
 dqa_status dqa_cma_es_tell(dqa_cma_es* search, const double* values, int64_t population) {
     return guard([&] {
-        require(search, "search"), require(values, "values");
+        const Change change(search, "search");
+        require(values, "values");
         CmaEs& core = *search->core;
         require_count(population, core.population(), "population", "values [population]");
         for (int64_t k = 0; k < population; ++k)

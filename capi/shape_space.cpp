@@ -163,13 +163,14 @@ dqa_status dqa_shape_space_create(const dqa_shape_space_options* options, dqa_sh
 }
 
 void dqa_shape_space_free(dqa_shape_space* space) {
-    delete space;
+    free_handle(space);
 }
 
 dqa_status dqa_shape_space_add_mesh(dqa_shape_space* space, const char* name, const double* vertices,
                                     int64_t n_vertices, const int32_t* triangles, int64_t n_triangles, int32_t* base) {
     return guard([&] {
-        require(space, "space"), require(name, "name"), require(vertices, "vertices"), require(triangles, "triangles");
+        const Change change(space, "space");
+        require(name, "name"), require(vertices, "vertices"), require(triangles, "triangles");
         constexpr int64_t most = INT32_MAX / 4;
         if (n_vertices < 0 || n_vertices > most)
             fail(Status::ERROR_ARGUMENT, "n_vertices is %" PRId64 ", expected a number in [0, %" PRId64 "]", n_vertices,
@@ -189,7 +190,8 @@ dqa_status dqa_shape_space_add_mesh(dqa_shape_space* space, const char* name, co
 
 dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space* space, const char* path, int32_t* base) {
     return guard([&] {
-        require(space, "space"), require(path, "path");
+        const Change change(space, "space");
+        require(path, "path");
         const std::string file(path);
         if (space->core->built())
             fail(Status::ERROR_STATE, "add_mesh_file: the shape space is already built; it is frozen from then on");
@@ -197,8 +199,7 @@ dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space* space, const char* pat
         const std::size_t first = slash == std::string::npos ? 0 : slash + 1;
         const std::string name =
             file.substr(first, dot == std::string::npos || dot < first ? std::string::npos : dot - first);
-        const int index = 
-            space->core->add_mesh(name, dqa::read_mesh_file(file, [&] { check_cancel(space->cancel); }));
+        const int index = space->core->add_mesh(name, dqa::read_mesh_file(file, [&] { check_cancel(space->cancel); }));
         if (base) *base = index;
     });
 }
@@ -206,7 +207,8 @@ dqa_status dqa_shape_space_add_mesh_file(dqa_shape_space* space, const char* pat
 dqa_status dqa_shape_space_add_density(dqa_shape_space* space, const char* name, const double* cells, int64_t n,
                                        int32_t* base) {
     return guard([&] {
-        require(space, "space"), require(name, "name"), require(cells, "cells");
+        const Change change(space, "space");
+        require(name, "name"), require(cells, "cells");
         require_count(n, space->core->box().n_cells(), "n", "cells [cells_x][cells_y][cells_z]");
         const int index = space->core->add_fractions(name, cells);
         if (base) *base = index;
@@ -216,7 +218,8 @@ dqa_status dqa_shape_space_add_density(dqa_shape_space* space, const char* name,
 dqa_status dqa_shape_space_add_polygon(dqa_shape_space* space, const char* name, const double* corners,
                                        int64_t n_corners, int32_t* base) {
     return guard([&] {
-        require(space, "space"), require(name, "name"), require(corners, "corners");
+        const Change change(space, "space");
+        require(name, "name"), require(corners, "corners");
         require_range(static_cast<double>(n_corners), n_corners >= 3 && n_corners <= 16384, "n_corners",
                       "a number in [3, 16384]");
         std::vector<std::array<double, 2>> points;
@@ -229,7 +232,8 @@ dqa_status dqa_shape_space_add_polygon(dqa_shape_space* space, const char* name,
 dqa_status dqa_shape_space_add_image(dqa_shape_space* space, const char* name, const double* pixels, int64_t n_rows,
                                      int64_t n_columns, int32_t* base) {
     return guard([&] {
-        require(space, "space"), require(name, "name"), require(pixels, "pixels");
+        const Change change(space, "space");
+        require(name, "name"), require(pixels, "pixels");
         require_range(static_cast<double>(n_rows), n_rows >= 1 && n_rows <= 32768, "n_rows", "a number in [1, 32768]");
         require_range(static_cast<double>(n_columns), n_columns >= 1 && n_columns <= 32768, "n_columns",
                       "a number in [1, 32768]");
@@ -244,7 +248,8 @@ dqa_status dqa_actuator_options_init(dqa_actuator_options* options, uint64_t siz
 
 dqa_status dqa_shape_space_add_actuator(dqa_shape_space* space, int32_t base, const dqa_actuator_options* options) {
     return guard([&] {
-        require(space, "space"), require(options, "options");
+        const Change change(space, "space");
+        require(options, "options");
         space->core->add_actuator(base, actuator_from(read_options(options, default_actuator(), "options")));
     });
 }
@@ -275,7 +280,7 @@ dqa_status dqa_shape_space_get_actuator(const dqa_shape_space* space, int32_t ba
 
 dqa_status dqa_shape_space_build(dqa_shape_space* space, dqa_progress progress, void* user_data) {
     return guard([&] {
-        require(space, "space");
+        const Change change(space, "space");
         space->core->build([&](int done, int total) {
             check_cancel(space->cancel);
             if (progress && progress(done, total, user_data))

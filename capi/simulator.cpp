@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cinttypes>
 #include <limits>
+#include <optional>
 
 #include "grid/log.hpp"
 #include "internal.hpp"
@@ -121,29 +122,8 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     return s;
 }
 
-// For the time of a call that changes the simulator. Its callbacks may look at the simulator, but a change by one would
-// pull the ground from under the call, or put steps of two designs on one tape.
-class Change {
-public:
-    explicit Change(dqa_simulator* simulator) : simulator_(simulator) {
-        require(simulator, "simulator");
-        if (simulator->in_use)
-            fail(Status::ERROR_STATE,
-                 "simulator: a call that changes it is under way, and this one comes from a callback of that; expected "
-                 "calls that only read");
-        simulator->in_use = true;
-    }
-    Change(const Change&) = delete;
-    Change& operator=(const Change&) = delete;
-    ~Change() { simulator_->in_use = false; }
-
-private:
-    dqa_simulator* simulator_;
-};
-
 // The tape must belong to this simulator and end where the simulator stands.
 void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
-    if (!tape) return;
     if (tape->state->simulator != simulator->identity)
         fail(Status::ERROR_ARGUMENT, "tape belongs to another simulator, expected one created with this simulator");
     if (tape->state->adjoints > 0)
@@ -152,6 +132,22 @@ void require_tape(const dqa_simulator* simulator, const dqa_tape* tape) {
         fail(Status::ERROR_STATE,
              "tape does not end at the simulator's present state (design, state or clock changed); clear it first");
 }
+
+// A tape, or none, to which a call appends steps.
+class Record {
+public:
+    Record(const dqa_simulator* simulator, dqa_tape* tape) {
+        if (!tape) return;
+        change_.emplace(tape, "tape");
+        require_tape(simulator, tape);
+        tape_ = tape->state->tape.get();
+    }
+    dqa::Tape* tape() const { return tape_; }
+
+private:
+    std::optional<Change<dqa_tape>> change_;
+    dqa::Tape* tape_ = nullptr;
+};
 
 // A new design takes the place of the old one; nothing here can fail.
 void put_design(dqa_simulator* simulator, std::unique_ptr<dqa::Simulation> simulation,
@@ -244,13 +240,13 @@ dqa_status dqa_simulator_create(dqa_shape_space* space, const dqa_simulator_opti
 }
 
 void dqa_simulator_free(dqa_simulator* simulator) {
-    delete simulator;
+    free_handle(simulator);
 }
 
 dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* weights, int64_t m, dqa_progress progress,
                                      void* user_data) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         const auto w = read_weights(*simulator->space, weights, m);
         const auto start = std::chrono::steady_clock::now();
         auto design = std::make_shared<const dqa::Design>(
@@ -271,7 +267,7 @@ dqa_status dqa_simulator_set_weights(dqa_simulator* simulator, const double* wei
 dqa_status dqa_simulator_set_current_table(dqa_simulator* simulator, const double* times, int64_t n_times,
                                            const double* velocities, int64_t n) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         if (n_times == 0) return use_current(simulator, nullptr);
         if (n_times < 0 || n_times > INT32_MAX)
             fail(Status::ERROR_ARGUMENT, "n_times is %" PRId64 ", expected a number in [0, 2^31)", n_times);
@@ -288,7 +284,7 @@ dqa_status dqa_simulator_set_current_table(dqa_simulator* simulator, const doubl
 dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_current current,
                                               dqa_current_pullback pullback, void* user_data) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         if (!current) return use_current(simulator, nullptr);
         const int dims = simulator->space->box().dims;
         const auto value = [current, user_data, dims](double time) {
@@ -311,7 +307,7 @@ dqa_status dqa_simulator_set_current_callback(dqa_simulator* simulator, dqa_curr
 dqa_status dqa_simulator_set_material(dqa_simulator* simulator, const double* young_modulus,
                                       const double* muscle_stiffness, int64_t n) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         const int64_t cells = simulator->space->box().n_cells();
         if (young_modulus || muscle_stiffness)
             require_count(n, cells, "n", "young_modulus and muscle_stiffness [n_cells]");
@@ -324,7 +320,7 @@ dqa_status dqa_simulator_set_material(dqa_simulator* simulator, const double* yo
 
 dqa_status dqa_simulator_set_fixed_nodes(dqa_simulator* simulator, const int32_t* nodes, int64_t n) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         if (n != 0) require(nodes, "nodes");
         const int all = simulator->space->box().n_nodes();
         if (n < 0 || n > all) fail(Status::ERROR_ARGUMENT, "n is %" PRId64 ", expected a number in [0, %d]", n, all);
@@ -394,6 +390,7 @@ dqa_status dqa_simulator_suggest_threshold(const dqa_simulator* simulator, const
                                            double tolerance, double* threshold, double* estimate) {
     return guard([&] {
         require(simulator, "simulator");
+        const Read reads(simulator, "simulator", Beside::changes);
         const auto w = read_weights(*simulator->space, weights, m);
         require_range(tolerance, tolerance > 0 && tolerance < 1, "tolerance", "a number in (0, 1)");
         require(threshold, "threshold");
@@ -416,7 +413,7 @@ dqa_status dqa_simulator_suggest_threshold(const dqa_simulator* simulator, const
 
 dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation, int64_t n, dqa_tape* tape) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         const dqa::Design& design = design_of(simulator).design();
         require(actuation, "actuation");
         require_count(n, design.n_signals(), "n", "actuation [n_signals]");
@@ -424,34 +421,34 @@ dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation,
             if (!(actuation[k] >= -1.0 && actuation[k] <= 1.0))
                 fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %g, expected a number in [-1, 1]", k,
                      actuation[k]);
-        require_tape(simulator, tape);
+        const Record record(simulator, tape);
         if (tape && tape->state->tape->controller())
             fail(Status::ERROR_STATE, "tape was driven by a controller so far; clear it before single steps");
         check_cancel(simulator->scene.cancel);
-        count(simulator, dqa::advance(*simulator->simulation, std::vector<double>(actuation, actuation + n),
-                                      tape ? tape->state->tape.get() : nullptr));
+        count(simulator,
+              dqa::advance(*simulator->simulation, std::vector<double>(actuation, actuation + n), record.tape()));
     });
 }
 
 dqa_status dqa_simulator_rollout(dqa_simulator* simulator, dqa_controller* controller, int64_t n_steps, dqa_tape* tape,
                                  dqa_progress progress, void* user_data) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         const dqa::Design& design = design_of(simulator).design();
         require(controller, "controller");
+        const Read reads(controller, "controller");
         if (controller->core->n_signals() != design.n_signals())
             fail(Status::ERROR_ARGUMENT, "controller has %d signals, expected %d: one per actuator category",
                  controller->core->n_signals(), design.n_signals());
         require_sensors(*controller->core, design);
         if (n_steps < 0 || n_steps > INT32_MAX)
             fail(Status::ERROR_ARGUMENT, "n_steps is %" PRId64 ", expected a number in [0, 2^31)", n_steps);
-        require_tape(simulator, tape);
-        dqa::Tape* record = tape ? tape->state->tape.get() : nullptr;
+        const Record record(simulator, tape);
         for (int64_t k = 0; k < n_steps; ++k) {
             check_cancel(simulator->scene.cancel);
             const auto actuation = dqa::actuation_of(*controller->core, *simulator->simulation);
-            if (record && k == 0) record->set_controller(*controller->core);
-            count(simulator, dqa::advance(*simulator->simulation, actuation, record));
+            if (record.tape() && k == 0) record.tape()->set_controller(*controller->core);
+            count(simulator, dqa::advance(*simulator->simulation, actuation, record.tape()));
             if (progress && progress(k + 1, n_steps, user_data))
                 fail(Status::CANCELLED, "cancelled by the progress callback after %" PRId64 " steps", k + 1);
         }
@@ -472,7 +469,7 @@ dqa_status dqa_simulator_get_state(const dqa_simulator* simulator, double* q, in
 
 dqa_status dqa_simulator_set_state(dqa_simulator* simulator, const double* q, int64_t nq, const double* v, int64_t nv) {
     return guard([&] {
-        const Change change(simulator);
+        const Change change(simulator, "simulator");
         const dqa::Design& design = design_of(simulator).design();
         const int dims = design.set().box.dims;
         const int64_t n = static_cast<int64_t>(design.n_nodes()) * dims;

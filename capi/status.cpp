@@ -124,8 +124,7 @@ const char* dqa_features(void) {
     static const auto features = [] {
         const auto best = dqa::choose_instruction_set(dqa::InstructionSet::automatic);
         std::array<char, 128> f{};
-        std::snprintf(f.data(), f.size(), "stl obj ply %s%s%s%s",
-                      dqa::direct_solver_name(),
+        std::snprintf(f.data(), f.size(), "stl obj ply %s%s%s%s", dqa::direct_solver_name(),
 #if defined(_OPENMP)
                       " openmp",
 #else

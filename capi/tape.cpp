@@ -44,6 +44,27 @@ const dqa::Tape& recorded(const dqa_tape* tape) {
     return t;
 }
 
+// States of a tape are computed again on demand, by one call at a time.
+class Reading {
+public:
+    explicit Reading(dqa_tape* tape) : read_(tape, "tape", Beside::changes), state_(*tape->state) {
+        // A log handler may come here from within such a call.
+        if (state_.reads.load() == std::this_thread::get_id()) refuse_lease("tape");
+        state_.reading.lock();
+        state_.reads.store(std::this_thread::get_id());
+    }
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
+    ~Reading() {
+        state_.reads.store({});
+        state_.reading.unlock();
+    }
+
+private:
+    Read<dqa_tape> read_;
+    TapeState& state_;
+};
+
 void require_step(int64_t step, int64_t last, const char* name) {
     if (step < 0 || step > last)
         fail(Status::ERROR_ARGUMENT, "%s is %" PRId64 ", expected an index in [0, %" PRId64 "]", name, step, last);
@@ -136,12 +157,12 @@ dqa_status dqa_tape_create(dqa_simulator* simulator, const dqa_tape_options* opt
 }
 
 void dqa_tape_free(dqa_tape* tape) {
-    delete tape;
+    free_handle(tape);
 }
 
 dqa_status dqa_tape_clear(dqa_tape* tape) {
     return guard([&] {
-        require(tape, "tape");
+        const Change change(tape, "tape");
         if (tape->state->adjoints > 0) fail(Status::ERROR_STATE, "tape: an adjoint of it lives; free it first");
         tape->state->tape->clear();
         tape->state->reader.reset();
@@ -164,7 +185,7 @@ dqa_status dqa_tape_get_state(dqa_tape* tape, int64_t step, double* q, int64_t n
         if (q) require_count(nq, n, "nq", "q [n_nodes][dims]");
         if (v) require_count(nv, n, "nv", "v [n_nodes][dims]");
         if (!q && !v) return;
-        const std::lock_guard<std::mutex> lock(tape->state->reading);
+        const Reading reading(tape);
         const dqa::State& state = tape->state->reader.state(static_cast<long>(step));
         points_out(state.q.data(), state.q.size() / 3, dims, q);
         points_out(state.v.data(), state.v.size() / 3, dims, v);
@@ -199,7 +220,7 @@ dqa_status dqa_tape_get_surface(dqa_tape* tape, int64_t step, double* vertices, 
         const int dims = t.design().set().box.dims;
         require_count(nv, dims * static_cast<int64_t>(t.design().surface().vertices.size()), "nv",
                       "vertices [n_vertices][dims]");
-        const std::lock_guard<std::mutex> lock(tape->state->reading);
+        const Reading reading(tape);
         const auto x = t.design().carry_surface(tape->state->reader.state(static_cast<long>(step)).q.data());
         for (std::size_t k = 0; k < x.size(); ++k)
             points_out(x[k].data(), 1, dims, vertices + dims * static_cast<int64_t>(k));
@@ -243,23 +264,24 @@ dqa_status dqa_adjoint_create(dqa_tape* tape, dqa_adjoint** adjoint) {
     return guard([&] {
         begin_create(adjoint, "adjoint");
         recorded(tape);
+        const Read reads(tape, "tape");
         auto made = std::make_unique<dqa_adjoint>();
-        made->state = tape->state;
         made->core = std::make_unique<dqa::Adjoint>(tape->state->tape);
         made->cancel = tape->state->tape->design().scene().cancel;
+        made->state = tape->state;
         ++made->state->adjoints;
         *adjoint = made.release();
     });
 }
 
 void dqa_adjoint_free(dqa_adjoint* adjoint) {
-    if (adjoint) --adjoint->state->adjoints;
-    delete adjoint;
+    free_handle(adjoint);
 }
 
 dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity, const double* bar, int64_t n) {
     return guard([&] {
-        require(adjoint, "adjoint"), require(bar, "bar");
+        const Change change(adjoint, "adjoint");
+        require(bar, "bar");
         dqa::Adjoint& a = *adjoint->core;
         require_step(step, a.tape().n_steps(), "step");
         require_range(quantity, quantity == DQA_SEED_POSITION || quantity == DQA_SEED_VELOCITY, "quantity",
@@ -280,14 +302,14 @@ dqa_status dqa_adjoint_seed(dqa_adjoint* adjoint, int64_t step, int32_t quantity
 
 dqa_status dqa_adjoint_seed_objective(dqa_adjoint* adjoint, const dqa_objective_term* terms, int64_t n_terms) {
     return guard([&] {
-        require(adjoint, "adjoint");
+        const Change change(adjoint, "adjoint");
         adjoint->core->seed_objective(read_terms(terms, n_terms, adjoint->core->tape().design().set().box.dims));
     });
 }
 
 dqa_status dqa_adjoint_backward(dqa_adjoint* adjoint, int64_t to_step, dqa_progress progress, void* user_data) {
     return guard([&] {
-        require(adjoint, "adjoint");
+        const Change change(adjoint, "adjoint");
         dqa::Adjoint& a = *adjoint->core;
         require_step(to_step, a.tape().n_steps(), "to_step");
         if (to_step > a.position())
@@ -318,7 +340,8 @@ dqa_status dqa_adjoint_backward(dqa_adjoint* adjoint, int64_t to_step, dqa_progr
 
 dqa_status dqa_adjoint_get(dqa_adjoint* adjoint, int32_t with_respect_to, double* out, int64_t n) {
     return guard([&] {
-        require(adjoint, "adjoint"), require(out, "out");
+        const Change change(adjoint, "adjoint");
+        require(out, "out");
         dqa::Adjoint& a = *adjoint->core;
         require_range(with_respect_to, with_respect_to >= DQA_WRT_WEIGHTS && with_respect_to <= DQA_WRT_LAME,
                       "with_respect_to", "one of DQA_WRT_*");
@@ -395,6 +418,8 @@ dqa_status dqa_check_gradient(const dqa_simulator* simulator, const dqa_controll
                               uint64_t report_size) {
     return guard([&] {
         const dqa::Simulation& simulation = design_of(simulator);
+        const Read reads_simulator(simulator, "simulator", Beside::changes);
+        const Read reads_controller(controller, "controller");
         const auto list = read_terms(terms, n_terms, simulation.design().set().box.dims);
         const auto o = read_options(options, default_check(), "options");
         require(report, "report");
