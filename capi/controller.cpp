@@ -73,7 +73,8 @@ dqa_status dqa_controller_create_sinusoid(int32_t n_signals, double time_step, d
     return guard([&] {
         begin_create(controller, "controller");
         require_range(n_signals, n_signals >= 1 && n_signals <= 4096, "n_signals", "a number in [1, 4096]");
-        require_range(time_step, time_step > 0, "time_step", "a time > 0 (s)");
+        require_range(time_step, time_step >= kLeastTime && time_step <= kMostTime, "time_step",
+                      "a time in [1e-12, 1e12] (s)");
         give(std::make_unique<dqa::Sinusoid>(n_signals, time_step), controller);
     });
 }
@@ -103,7 +104,8 @@ dqa_status dqa_controller_create_callback(const dqa_callback_controller_options*
         require_range(o.n_signals, o.n_signals >= 1 && o.n_signals <= 4096, "n_signals", "a number in [1, 4096]");
         require_range(o.n_sensors, o.n_sensors == 0 || o.n_sensors == 10 || o.n_sensors == 15, "n_sensors",
                       "0 (an open loop), 10 (2-D) or 15 (3-D)");
-        require_range(o.time_step, o.time_step > 0, "time_step", "a time > 0 (s)");
+        require_range(o.time_step, o.time_step >= kLeastTime && o.time_step <= kMostTime, "time_step",
+                      "a time in [1e-12, 1e12] (s)");
         if (!o.evaluate) bad_null("evaluate");
         if (n_parameters < 0 || n_parameters > (int64_t{1} << 40))
             fail(Status::ERROR_ARGUMENT, "n_parameters is %" PRId64 ", expected a number >= 0", n_parameters);
@@ -210,7 +212,22 @@ dqa_status dqa_adam_step(double* x, const double* gradient, const double* rates,
                 fail(Status::ERROR_ARGUMENT, "second_moment[%" PRId64 "] is %g, expected a number >= 0", k,
                      second_moment[k]);
         }
-        dqa::adam_step(x, gradient, rates, first_moment, second_moment, n, iteration);
+        // On copies, so that nothing has changed where a square or a step is no number.
+        std::vector<double> next(x, x + n), first(first_moment, first_moment + n),
+            second(second_moment, second_moment + n);
+        dqa::adam_step(next.data(), gradient, rates, first.data(), second.data(), n, iteration);
+        for (int64_t k = 0; k < n; ++k) {
+            const auto i = static_cast<std::size_t>(k);
+            if (!std::isfinite(next[i]) || !std::isfinite(first[i]) || !std::isfinite(second[i]))
+                fail(Status::DIVERGED,
+                     "x[%" PRId64
+                     "] = %g with gradient %g, rate %g and moments %g, %g: the step, or a moment after "
+                     "it, is no finite number",
+                     k, x[k], gradient[k], rates[k], first_moment[k], second_moment[k]);
+        }
+        std::copy(next.begin(), next.end(), x);
+        std::copy(first.begin(), first.end(), first_moment);
+        std::copy(second.begin(), second.end(), second_moment);
     });
 }
 

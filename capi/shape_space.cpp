@@ -54,8 +54,10 @@ dqa::ShapeSettings settings_from(const dqa_shape_space_options& o) {
                   "DQA_PEAK_SMOOTH or DQA_PEAK_PAPER");
     require_range(o.max_iterations, o.max_iterations >= 1, "max_iterations", "at least 1");
     require_range(o.threads, o.threads >= 1 && o.threads <= 1024, "threads", "a number in [1, 1024]");
-    require_range(o.body_length, o.body_length > 0, "body_length", "a length > 0 (m)");
-    require_range(o.cell_size, o.cell_size >= 0, "cell_size", "a length > 0 (m), or 0 for automatic");
+    const auto is_length = [](double x) { return x >= 1e-9 && x <= 1e9; };
+    require_range(o.body_length, is_length(o.body_length), "body_length", "a length in [1e-9, 1e9] (m)");
+    require_range(o.cell_size, o.cell_size == 0.0 || is_length(o.cell_size), "cell_size",
+                  "a length in [1e-9, 1e9] (m), or 0 for automatic");
     require_range(o.sigma, o.sigma >= 0.2 && o.sigma <= 16, "sigma", "a width in [0.2, 16] cells");
     require_range(o.tolerance, o.tolerance > 0, "tolerance", "a number > 0");
     require_range(o.interpolation,

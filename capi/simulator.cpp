@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "grid/log.hpp"
+#include "grid/number_text.hpp"
 #include "internal.hpp"
 #include "motion/observation.hpp"
 #include "motion/threshold.hpp"
@@ -68,12 +69,17 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(static_cast<double>(o.max_products), o.max_products >= 1, "max_products", "at least 1");
     require_range(o.instruction_set, o.instruction_set >= 0 && o.instruction_set <= 3, "instruction_set",
                   "a number in [0, 3]");
-    require_range(o.time_step, o.time_step > 0, "time_step", "a time > 0 (s)");
-    require_range(o.young_modulus, o.young_modulus > 0, "young_modulus", "a modulus > 0 (Pa)");
+    const auto positive = [](double value, const char* name, const char* expected) {
+        require_range(value, value >= 1e-12 && value <= 1e18, name, expected);
+    };
+    require_range(o.time_step, o.time_step >= kLeastTime && o.time_step <= kMostTime, "time_step",
+                  "a time in [1e-12, 1e12] (s)");
+    positive(o.young_modulus, "young_modulus", "a modulus in [1e-12, 1e18] (Pa)");
     require_range(o.poisson_ratio, o.poisson_ratio >= 0 && o.poisson_ratio < 0.5, "poisson_ratio",
                   "a number in [0, 0.5)");
-    require_range(o.density, o.density > 0, "density", "a density > 0 (kg/m^3)");
-    require_range(o.muscle_stiffness, o.muscle_stiffness >= 0, "muscle_stiffness", "a modulus >= 0 (Pa)");
+    positive(o.density, "density", "a density in [1e-12, 1e18] (kg/m^3)");
+    require_range(o.muscle_stiffness, o.muscle_stiffness >= 0 && o.muscle_stiffness <= 1e18, "muscle_stiffness",
+                  "a modulus in [0, 1e18] (Pa)");
     require_range(o.contraction, o.contraction > 0 && o.contraction < 1, "contraction", "a number in (0, 1)");
     require_range(o.threshold, o.threshold >= 0 && o.threshold < 0.5, "threshold", "a number in [0, 0.5)");
     require_range(o.occupancy_floor, o.occupancy_floor >= 1e-12 && o.occupancy_floor <= 0.1, "occupancy_floor",
@@ -81,14 +87,14 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     require_range(o.tolerance, o.tolerance > 0 && o.tolerance < 1, "tolerance", "a number in (0, 1)");
     require_range(o.adjoint_tolerance, o.adjoint_tolerance >= 0 && o.adjoint_tolerance < 1, "adjoint_tolerance",
                   "a number in (0, 1), or 0 for one that follows from `tolerance`");
-    require_range(o.water_density, o.water_density > 0, "water_density", "a density > 0 (kg/m^3)");
-    require_range(o.speed_smoothing, o.speed_smoothing > 0, "speed_smoothing", "a speed > 0 (m/s)");
+    positive(o.water_density, "water_density", "a density in [1e-12, 1e18] (kg/m^3)");
+    positive(o.speed_smoothing, "speed_smoothing", "a speed in [1e-12, 1e18] (m/s)");
     require_range(o.angle_smoothing, o.angle_smoothing > 0 && o.angle_smoothing <= 0.5, "angle_smoothing",
                   "an angle in (0, 0.5] rad");
-    require_range(o.surface_smoothing, o.surface_smoothing > 0, "surface_smoothing", "a number > 0");
+    positive(o.surface_smoothing, "surface_smoothing", "a number in [1e-12, 1e18]");
     dqa::SceneSettings s;
     for (std::size_t k = 0; k < 3; ++k) {
-        require_range(o.current[k], true, "current", "finite velocities (m/s)");
+        require_range(o.current[k], std::fabs(o.current[k]) <= 1e12, "current", "velocities within 1e12 (m/s)");
         s.hydrodynamics.current[k] = o.current[k];
     }
     for (std::size_t k = 0; k < 4; ++k) {
@@ -177,8 +183,8 @@ std::shared_ptr<const std::vector<double>> cell_values(const double* values, int
     require_finite(values, n, name);
     for (int64_t k = 0; k < n; ++k)
         if (values[k] < least)
-            fail(Status::ERROR_ARGUMENT, "%s[%" PRId64 "] is %g, expected a modulus %s 0 (Pa)", name, k, values[k],
-                 least > 0.0 ? ">" : ">=");
+            fail(Status::ERROR_ARGUMENT, "%s[%" PRId64 "] is %s, expected a modulus %s 0 (Pa)", name, k,
+                 dqa::number_text(values[k]).c_str(), least > 0.0 ? ">" : ">=");
     return std::make_shared<const std::vector<double>>(values, values + n);
 }
 
@@ -419,8 +425,8 @@ dqa_status dqa_simulator_step(dqa_simulator* simulator, const double* actuation,
         require_count(n, design.n_signals(), "n", "actuation [n_signals]");
         for (int64_t k = 0; k < n; ++k)
             if (!(actuation[k] >= -1.0 && actuation[k] <= 1.0))
-                fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %g, expected a number in [-1, 1]", k,
-                     actuation[k]);
+                fail(Status::ERROR_ARGUMENT, "actuation[%" PRId64 "] is %s, expected a number in [-1, 1]", k,
+                     dqa::number_text(actuation[k]).c_str());
         const Record record(simulator, tape);
         if (tape && tape->state->tape->controller())
             fail(Status::ERROR_STATE, "tape was driven by a controller so far; clear it before single steps");

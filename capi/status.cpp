@@ -6,6 +6,7 @@
 #include <new>
 
 #include "grid/log.hpp"
+#include "grid/number_text.hpp"
 #include "internal.hpp"
 #include "linalg/sparse.hpp"
 
@@ -67,7 +68,8 @@ void require_finite(const double* values, std::int64_t n, const char* name) {
 }
 
 void require_range(double value, bool good, const char* name, const char* expected) {
-    if (!good || !std::isfinite(value)) fail(Status::ERROR_ARGUMENT, "%s is %g, expected %s", name, value, expected);
+    if (!good || !std::isfinite(value))
+        fail(Status::ERROR_ARGUMENT, "%s is %s, expected %s", name, number_text(value).c_str(), expected);
 }
 
 void copy_out(const double* from, std::size_t n, double* to, std::int64_t count, const char* name, const char* shape) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cinttypes>
 
+#include "grid/number_text.hpp"
 #include "internal.hpp"
 
 using namespace dqa::capi;
@@ -77,7 +78,8 @@ namespace dqa::capi {
 namespace {
 
 [[noreturn]] void bad_term(std::int64_t k, const char* field, double value, const char* expected) {
-    fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].%s is %g, expected %s", k, field, value, expected);
+    fail(Status::ERROR_ARGUMENT, "terms[%" PRId64 "].%s is %s, expected %s", k, field, number_text(value).c_str(),
+         expected);
 }
 
 std::vector<ObjectiveTerm::Point> read_path(const dqa_objective_term& t, std::int64_t k, int dims) {

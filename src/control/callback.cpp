@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "grid/error.hpp"
+#include "grid/number_text.hpp"
 
 namespace dqa {
 namespace {
@@ -49,8 +50,8 @@ void CallbackController::evaluate(long step, const double* sensors, double* actu
     for (int k = 0; k < settings_.n_signals; ++k)
         if (!(actuation[k] >= -1.0 && actuation[k] <= 1.0))
             fail(Status::ERROR_ARGUMENT,
-                 "the controller's evaluate callback gave actuation[%d] = %g at step %ld, expected a number in [-1, 1]",
-                 k, actuation[k], step);
+                 "the controller's evaluate callback gave actuation[%d] = %s at step %ld, expected a number in [-1, 1]",
+                 k, number_text(actuation[k]).c_str(), step);
 }
 
 void CallbackController::pullback(long step, const double* sensors, const double* actuation_bar, double* theta_bar,

@@ -4,8 +4,14 @@
 #include <cmath>
 
 #include "grid/error.hpp"
+#include "grid/number_text.hpp"
 
 namespace dqa {
+namespace {
+
+constexpr double kMostTurns = 1e6;  // rad: beyond, a phase after many steps has no digits left, and then is no number
+
+}  // namespace
 
 Sinusoid::Sinusoid(int n_signals, double time_step) : time_step_(time_step) {
     // The paper's start: amplitude 1, a period of twelve steps, no phase.
@@ -21,7 +27,14 @@ void Sinusoid::set_parameters(const std::vector<double>& theta) {
         if (!std::isfinite(theta[k]))
             fail(Status::ERROR_ARGUMENT, "theta[%zu] is %g, expected a finite number", k, theta[k]);
         if (k % 3 == 0 && (theta[k] < 0.0 || theta[k] > 1.0))
-            fail(Status::ERROR_ARGUMENT, "theta[%zu] is %g, expected an amplitude in [0, 1]", k, theta[k]);
+            fail(Status::ERROR_ARGUMENT, "theta[%zu] is %s, expected an amplitude in [0, 1]", k,
+                 number_text(theta[k]).c_str());
+        if (k % 3 == 1 && !(std::fabs(theta[k]) * time_step_ <= kMostTurns))
+            fail(Status::ERROR_ARGUMENT, "theta[%zu] is %s, expected a frequency of at most %g rad a time step", k,
+                 number_text(theta[k]).c_str(), kMostTurns);
+        if (k % 3 == 2 && !(std::fabs(theta[k]) <= kMostTurns))
+            fail(Status::ERROR_ARGUMENT, "theta[%zu] is %s, expected a phase within %g rad", k,
+                 number_text(theta[k]).c_str(), kMostTurns);
     }
     theta_ = theta;
 }

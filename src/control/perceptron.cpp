@@ -81,6 +81,11 @@ std::vector<double> Perceptron::activations(long step, const double* sensors) co
 
 void Perceptron::evaluate(long step, const double* sensors, double* actuation) const {
     const std::vector<double> a = activations(step, sensors);
+    // Weights and sensors near the largest numbers make infinities of both signs.
+    for (auto at = a.end() - n_signals(); at != a.end(); ++at)
+        if (!std::isfinite(*at))
+            fail(Status::DIVERGED,
+                 "the perceptron gives no number at step %ld: its parameters or its sensors are too large", step);
     std::copy(a.end() - n_signals(), a.end(), actuation);
 }
 

@@ -21,6 +21,10 @@ void adam_step(double* x, const double* gradient, const double* rates, double* f
 }
 
 void project_simplex(double* x, std::int64_t n) {
+    // The projection does not change when all move alike, and what lies two below the largest is not in it: from there
+    // the sums neither overflow nor cancel.
+    const double largest = *std::max_element(x, x + n);
+    for (std::int64_t k = 0; k < n; ++k) x[k] = std::max(x[k] - largest, -2.0);
     std::vector<double> sorted(x, x + n);
     std::sort(sorted.begin(), sorted.end(), std::greater<>());
     double sum = 0.0, shift = 0.0;

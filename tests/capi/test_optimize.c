@@ -76,6 +76,41 @@ static void arguments_are_checked(void** state) {
     dqa_cma_es_free(NULL);
 }
 
+/* Sums and squares must not leave the range of doubles where the answer does not. */
+static void projections_of_extreme_numbers(void** state) {
+    static const double huge[][3] = {{1e308, 1e308, -1e308}, {1e308, -1e308, 0.0}, {-1e308, -1e308, -1e308},
+                                     {1e-308, 0.0, -1e-308}, {3.0, 3.0, 3.0},      {1e16, 1e16 + 2.0, 0.0}};
+    static const double expected[][3] = {{0.5, 0.5, 0.0},
+                                         {1.0, 0.0, 0.0},
+                                         {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0},
+                                         {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0},
+                                         {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0},
+                                         {0.0, 1.0, 0.0}};
+    size_t k, i;
+    (void)state;
+    for (k = 0; k < sizeof huge / sizeof *huge; ++k) {
+        double x[3];
+        memcpy(x, huge[k], sizeof x);
+        ok(dqa_project_simplex(x, 3));
+        for (i = 0; i < 3; ++i) assert_true(fabs(x[i] - expected[k][i]) <= 1e-15);
+    }
+}
+
+static void steps_of_extreme_numbers(void** state) {
+    double x = 1.0, gradient = 1e308, rate = 0.1, first = 0.0, second = 0.0;
+    (void)state;
+    refused(dqa_adam_step(&x, &gradient, &rate, &first, &second, 1, 1), DQA_DIVERGED, "x[0]");
+    assert_true(x == 1.0 && first == 0.0 && second == 0.0);
+    gradient = 1e150;
+    ok(dqa_adam_step(&x, &gradient, &rate, &first, &second, 1, 1));
+    assert_true(fabs(x - 0.9) <= 1e-12 && isfinite(first) && isfinite(second));
+    x = 1e308, rate = 1e308, gradient = -1.0, first = second = 0.0;
+    refused(dqa_adam_step(&x, &gradient, &rate, &first, &second, 1, 1), DQA_DIVERGED, "x[0]");
+    gradient = 1e-308, rate = 0.1, x = 1.0;
+    ok(dqa_adam_step(&x, &gradient, &rate, &first, &second, 1, 1));
+    assert_true(x == 1.0 || fabs(x - 1.0) < 1e-12);
+}
+
 static void a_minimum_is_found_and_a_saved_search_goes_on(void** state) {
     static const double start[N] = {3.0, 3.0, 3.0}, scales[N] = {1.0, 2.0, 0.5};
     dqa_cma_es *search, *again;
@@ -110,7 +145,8 @@ static void a_minimum_is_found_and_a_saved_search_goes_on(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(arguments_are_checked),
-                                       cmocka_unit_test(a_minimum_is_found_and_a_saved_search_goes_on)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arguments_are_checked), cmocka_unit_test(projections_of_extreme_numbers),
+        cmocka_unit_test(steps_of_extreme_numbers), cmocka_unit_test(a_minimum_is_found_and_a_saved_search_goes_on)};
     return cmocka_run_group_tests_name("optimize", tests, NULL, NULL);
 }

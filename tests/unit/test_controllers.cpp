@@ -124,6 +124,14 @@ void test_derivatives() {
     check_controller("perceptron of the paper", full, full.parameters(), 0.3);
     Sinusoid sinusoid(2, 1.0 / 30);
     check_controller("sinusoid", sinusoid, {0.7, 9.0, 0.4, 0.3, 14.0, -0.8}, 0.1);
+    EXPECT_ERROR(ERROR_ARGUMENT, "theta[3] is 1.0000000000000002",
+                 sinusoid.set_parameters({1, 9, 0, 1.0000000000000002, 9, 0}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "theta[1] is 1e+308", sinusoid.set_parameters({1, 1e308, 0, 1, 9, 0}));
+    EXPECT_ERROR(ERROR_ARGUMENT, "theta[5] is -1e+300", sinusoid.set_parameters({1, 9, 0, 1, 9, -1e300}));
+    Vector fastest(2);
+    sinusoid.set_parameters({1, 3e7, 1e6, 1, -3e7, -1e6});
+    sinusoid.evaluate(2147483647, nullptr, fastest.data());
+    CHECK(std::fabs(fastest[0]) <= 1.0 && std::fabs(fastest[1]) <= 1.0);
 }
 
 // u_i = tanh(theta_0 + theta_1 s_i + theta_2 t); user_data: what to return and what to spoil.

@@ -48,6 +48,19 @@ class Rollouts(unittest.TestCase):
         loss.backward()
         self.assertEqual((loss.dtype, w.grad.dtype), (torch.float32, torch.float32))
 
+    def test_types_are_promoted(self):
+        theta = torch.tensor([0.7, 11.0, 0.3], dtype=torch.float64)
+        exact = self.loss(torch.tensor([1.0, 1.0], dtype=torch.float64), theta)
+        for w in (torch.tensor([1, 1]), torch.tensor([True, True]), torch.tensor([1, 1], dtype=torch.float16)):
+            loss = self.loss(w, theta)
+            self.assertEqual(loss.dtype, torch.float64)
+            self.assertEqual(float(loss), float(exact))
+        whole = self.loss(torch.tensor([1, 1]), torch.tensor([1, 11, 0]))
+        self.assertEqual(whole.dtype, torch.get_default_dtype())
+        self.assertNotEqual(float(whole), 0.0)
+        with self.assertRaisesRegex(dq.ArgumentError, "real numbers, got torch.complex64"):
+            self.loss(torch.tensor([1.0, 1.0j]), theta)
+
     def test_no_second_derivatives(self):
         w, theta = tensor([0.9, 0.6]), tensor([0.7, 11.0, 0.3])
         gradient, = torch.autograd.grad(self.loss(w, theta), w, create_graph=True)

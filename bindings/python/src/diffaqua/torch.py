@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""PyTorch: a rollout, or a step, as a differentiable function of tensors. Results have the type and place of the first
-argument; the library computes in doubles on the processor. Gradients are of first order: a second backward is
+"""PyTorch: a rollout, or a step, as a differentiable function of tensors. Results have the floating type that PyTorch
+promotes the arguments to (the default one for whole numbers), and the place of the first argument; the library computes
+in doubles on the processor. Gradients are of first order: a second backward is
 refused."""
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -11,18 +13,28 @@ import torch
 
 from ._arrays import Array
 from .controller import Controller
-from .errors import UnsupportedError
+from .errors import ArgumentError, UnsupportedError
 from .rollout import Rollout, Step
 from .simulator import Simulator
 from .tape import Loss
 
 
 def _array(tensor: torch.Tensor) -> Array:
+    if tensor.is_complex():
+        raise ArgumentError(f"expected tensors of real numbers, got {tensor.dtype}")
     return np.asarray(tensor.detach().cpu().numpy(), dtype=np.float64)
 
 
 def _like(values: Any, tensor: torch.Tensor) -> torch.Tensor:
     return torch.as_tensor(values, dtype=tensor.dtype, device=tensor.device)
+
+
+def _result(values: Any, *tensors: torch.Tensor) -> torch.Tensor:
+    """Of a function of these tensors, which may hold whole numbers."""
+    dtype = functools.reduce(torch.promote_types, (tensor.dtype for tensor in tensors))
+    if not dtype.is_floating_point:
+        dtype = torch.get_default_dtype()
+    return torch.as_tensor(values, dtype=dtype, device=tensors[0].device)
 
 
 class _FirstOrder(torch.autograd.Function):
@@ -46,7 +58,7 @@ class _Rollout(torch.autograd.Function):
         else:
             loss = rollout(_array(w), _array(theta))
         ctx.save_for_backward(w, theta)  # autograd then notices changes in place
-        return _like(loss, w)
+        return _result(loss, w, theta)
 
     @staticmethod
     def backward(ctx: Any, loss_bar: torch.Tensor) -> tuple[Any, ...]:
@@ -65,7 +77,7 @@ class _Step(torch.autograd.Function):
         else:
             q_after, v_after = step(*arrays)
         ctx.save_for_backward(q, v, actuation)
-        return _like(q_after, q), _like(v_after, v)
+        return _result(q_after, q, v, actuation), _result(v_after, q, v, actuation)
 
     @staticmethod
     def backward(ctx: Any, q_bar: torch.Tensor, v_bar: torch.Tensor) -> tuple[Any, ...]:
