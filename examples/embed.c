@@ -65,6 +65,8 @@ static volatile sig_atomic_t asked_to_stop = 0;
 static void on_signal(int number) {
     const int saved = errno;
     (void)number;
+    (void)signal(SIGINT, SIG_DFL); /* a second one ends the program */
+    (void)signal(SIGTERM, SIG_DFL);
     asked_to_stop = 1;
     (void)dqa_cancel_token_set(token); /* documented as async-signal-safe */
     errno = saved;

@@ -8,13 +8,15 @@
  * Adam moves the shares of the three and the sine's amplitude, frequency and phase together, for the distance travelled
  * in two seconds; before that, finite differences prove the gradient that it follows. Descent finds the nearest
  * optimum, a fish between the three, not the best of all: the eel alone would go further. The picture is an SVG written
- * without any library: the loss, the shares, and the first and the best swimmer on their way. Only diffaqua.h and the C
- * library are used. */
+ * without any library: the loss, the shares, and the first and the best swimmer on their way. Only diffaqua.h, the C
+ * library and POSIX's stat are used. */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "diffaqua.h"
 
@@ -435,7 +437,11 @@ static int draw(const plane* p, const char* path) {
     fprintf(f, "</svg>\n");
     bad = ferror(f) != 0 || bad;
     bad = fclose(f) != 0 || bad;
-    if (bad) fprintf(stderr, "plane: cannot write %s\n", path);
+    if (bad) {
+        struct stat written;
+        fprintf(stderr, "plane: cannot write %s: the disk is full or failing\n", path);
+        if (stat(path, &written) == 0 && S_ISREG(written.st_mode)) (void)remove(path); /* half of it is of no use */
+    }
     return bad;
 }
 

@@ -42,7 +42,10 @@ static FILE* opened(const char* folder, const char* name, const char* extension,
 
 static int closed(FILE* file, const char* path, int good) {
     good = fclose(file) == 0 && good;
-    if (!good) fprintf(stderr, "%s: could not be written\n", path);
+    if (!good) {
+        fprintf(stderr, "%s: could not be written\n", path);
+        (void)remove(path);
+    }
     return good;
 }
 

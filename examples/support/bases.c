@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "input.h"
 #include "say.h"
 
 #define LINE_SIZE 4096
@@ -206,12 +207,9 @@ static int read_line(reader* r, char* line) {
 int bases_read(bases* b, const char* path, int (*add_mesh)(void* context, const char* mesh), void* context) {
     reader r = {path, 0, b->n_bases - 1, 0, b, add_mesh, context};
     char line[LINE_SIZE];
-    FILE* stream = fopen(path, "r");
+    FILE* stream = input_open(path);
     int outcome = DONE;
-    if (stream == NULL) {
-        say("cannot open the list %s: %s", path, strerror(errno));
-        return FAILED;
-    }
+    if (stream == NULL) return FAILED;
     while (outcome == DONE && fgets(line, sizeof line, stream) != NULL) {
         ++r.line;
         if (strchr(line, '\n') == NULL && !feof(stream)) {

@@ -12,10 +12,14 @@
 static volatile sig_atomic_t signalled = 0;
 static dqa_cancel_token* volatile watched = NULL;
 
+/* The first one asks; the second, of either kind, ends the program, wherever it is: whoever sends two means it, and a
+ * call that never returns to look at the token must not be what keeps a program alive. */
 static void on_signal(int number) {
     const int saved = errno;
     dqa_cancel_token* token = watched;
     (void)number;
+    (void)signal(SIGINT, SIG_DFL);
+    (void)signal(SIGTERM, SIG_DFL);
     signalled = 1;
     if (token != NULL) (void)dqa_cancel_token_set(token);
     errno = saved;
@@ -31,8 +35,7 @@ static int set_action(int number, void (*handler)(int), int flags) {
 }
 
 int interrupt_install(dqa_cancel_token* token) {
-    /* SA_RESETHAND: whoever presses Ctrl-C twice means it. SA_RESTART: a write under way is finished, not torn. */
-    const int flags = SA_RESTART | (int)SA_RESETHAND;
+    const int flags = SA_RESTART; /* a write under way is finished, not torn */
     watched = token;
     if (set_action(SIGINT, on_signal, flags) != 0 || set_action(SIGTERM, on_signal, flags) != 0 ||
         set_action(SIGXFSZ, SIG_IGN, 0) != 0 || set_action(SIGPIPE, SIG_IGN, 0) != 0) {

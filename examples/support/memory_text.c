@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "input.h"
 #include "say.h"
+
+#define MOST_BYTES (1 << 30)
 
 void memory_text_begin(memory_text* t) {
     memset(t, 0, sizeof *t);
@@ -52,18 +55,20 @@ void memory_text_add(memory_text* t, const char* format, ...) {
 
 char* memory_text_read(const char* path, size_t* size) {
     memory_text t;
-    FILE* stream;
-    errno = 0;
-    stream = fopen(path, "rb");
-    if (stream == NULL) {
-        say("cannot read %s: %s", path, strerror(errno));
-        return NULL;
-    }
+    FILE* stream = input_open(path);
+    if (stream == NULL) return NULL;
     memory_text_begin(&t);
+    errno = 0;
     while (make_room(&t, 65536)) {
         const size_t got = fread(t.text + t.length, 1, 65536, stream);
         t.length += got;
         if (got < 65536) break;
+        if (t.length > MOST_BYTES) {
+            say("cannot read %s: it is longer than %d MiB", path, MOST_BYTES >> 20);
+            memory_text_end(&t);
+            (void)fclose(stream);
+            return NULL;
+        }
     }
     if (t.failed || ferror(stream)) {
         say("cannot read %s: %s", path, t.failed ? "out of memory" : strerror(errno));

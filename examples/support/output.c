@@ -60,6 +60,7 @@ static void release(output_file* file) {
 }
 
 int output_open(output_file* file, const char* folder, const char* name) {
+    int descriptor;
     memset(file, 0, sizeof *file);
     file->path = output_path(folder, name);
     if (file->path != NULL) file->partial = concatenate(file->path, ".part", "");
@@ -67,9 +68,13 @@ int output_open(output_file* file, const char* folder, const char* name) {
         release(file);
         return FAILED;
     }
-    file->stream = fopen(file->partial, "wb");
+    /* What an ended run has left, or whatever else stands there, is not written through but replaced. */
+    (void)unlink(file->partial);
+    descriptor = open(file->partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    file->stream = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
     if (file->stream == NULL) {
         say("cannot write %s: %s", file->partial, strerror(errno));
+        if (descriptor >= 0) (void)close(descriptor);
         release(file);
         return FAILED;
     }

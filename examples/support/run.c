@@ -30,6 +30,7 @@ int run_create(run* r, const options* o, int64_t n_weights, const double* theta,
     r->moves = o->fixed_control ? RUN_WEIGHTS : RUN_BOTH;
     r->mlp = o->mlp;
     r->loss = &o->loss;
+    r->n_stages = o->plan.n_stages > 0 ? o->plan.n_stages : 1;
     r->omega0 = omega0;
     r->best_loss = HUGE_VAL;
     r->x = new_numbers(r->n);

@@ -54,7 +54,8 @@ typedef struct run {
     double best_loss;
     int64_t best_iteration; /* 0: none yet */
     int64_t iteration;      /* finished iterations */
-    int32_t stage;          /* of the schedule, from 0 */
+    int32_t n_stages;       /* of the schedule */
+    int32_t stage;          /* of them, from 0 */
     int64_t stage_first;    /* iterations finished when it began */
     double first_loss;      /* of the first design under the settings of the last stage */
     double seconds;         /* wall time spent so far, interrupted sessions included */

@@ -42,7 +42,7 @@ lintian --allow-root --no-cfg --profile debian --fail-on error "$work"/deb/*.deb
 
 try() { # the folder of the programs and of the library, both of the installed packages
     mkdir "$work/run"
-    (cd "$work/run" && unset DQA_SHAPES_DIR && [ -x "$1/diffaqua-plane" ] && LD_LIBRARY_PATH=$2 OPENBLAS_NUM_THREADS=1 "$1/codesign" --quick --iterations 1 --steps 5 --grid 20x8x10 --threads 1 \
+    (cd "$work/run" && unset DQA_SHAPES_DIR && [ -x "$1/diffaqua-plane" ] && LD_LIBRARY_PATH=$2 OPENBLAS_NUM_THREADS=1 "$1/codesign" --quick --iterations 1 --steps 5 --grid 30x10x14 --threads 1 \
         >codesign.txt 2>&1 && [ -s codesign-out/report.html ]) || { cat "$work"/run/*.txt >&2; fail "the installed programs failed"; }
     rm -rf "$work/run"
 }

@@ -60,7 +60,7 @@ if [ -e "$prefix/bin/codesign" ]; then
     for page in "$prefix"/share/man/man1/*.1; do
         [ -x "$prefix/bin/$(basename "$page" .1)" ] || { echo "no program for $page" >&2; exit 1; }
     done
-    (cd "$work" && unset DQA_SHAPES_DIR && "$prefix/bin/codesign" --quick --iterations 1 --steps 5 --grid 20x8x10 \
+    (cd "$work" && unset DQA_SHAPES_DIR && "$prefix/bin/codesign" --quick --iterations 1 --steps 5 --grid 30x10x14 \
         --threads 1 >"$work/codesign.txt" 2>&1) || { cat "$work/codesign.txt" >&2; exit 1; }
     [ -s "$work/codesign-out/report.html" ]
 fi

@@ -254,11 +254,59 @@ class Resume(Scratch):
             self.assertEqual(process.returncode, 1, process.stderr)
             self.assertIn("damaged", process.stderr)
 
+    def test_refuses_a_forged_checkpoint(self):
+        """A checksum proves nothing about who wrote it: every field is checked, and named."""
+        with open(os.path.join(self.reference, "checkpoint.txt"), "rb") as stream:
+            text = stream.read()
+        text = text[:text.rindex(b"checksum")]
+        last = text[text.rindex(b"\nrow "):]
+        forged = [
+            (rb"\niteration \d+", b"\niteration 99999999", "checkpoint's row 5: the next word"),
+            (rb"\niteration \d+", b"\niteration -1", "iteration is \"-1\", expected a whole number of 0"),
+            (rb"\niteration \d+", b"\niteration 99999999999999999999", "iteration is \"99999999999999999999\""),
+            (rb" best \d+", b" best 5", "best is \"5\", expected a whole number of 0 ... 4"),
+            (rb" best \d+", b" best 0", "best is \"0\", expected an iteration of the last stage"),
+            (rb" stage \d+", b" stage 7", "stage is \"7\", expected a whole number of 0 ... "),
+            (rb" stage \d+", b" stage -1", "stage is \"-1\""),
+            (rb" from \d+", b" from 5", "the first iteration of the stage is \"5\""),
+            (rb"\nseconds \S+", b"\nseconds -0x1p+3", "seconds is \"-0x1p\\+3\", expected a number >= 0"),
+            (rb"\ncpu-seconds \S+", b"\ncpu-seconds nan", "cpu-seconds is \"nan\""),
+            (rb"\nbest-loss \S+", b"\nbest-loss -0x1p+9", "best is \"\\d\", expected the iteration whose loss"),
+            (rb"\nx \S+", b"\nx 0x1p+9", "x is \".*\", expected weights that sum to one"),
+            (rb"\nx \S+", b"\nx inf", "x is \"inf\""),
+            (rb"\nfirst-moment \S+", b"\nfirst-moment inf", "first-moment is \"inf\", expected a finite number"),
+            (rb"\nsecond-moment \S+", b"\nsecond-moment -0x1p-3", "second-moment is \"-0x1p-3\""),
+            (rb"\nbest-x \S+", b"\nbest-x 0x1.1p-2", "best is "),
+            (rb"\ngradient \S+", b"\ngradient -inf", "gradient is \"-inf\""),
+            (rb"\nproof-weights \d", b"\nproof-weights 3", "proof-weights is \"3\", expected a whole number of 0 ... 2"),
+            (rb"\nrow 1 ", b"\nrow 2 ", "checkpoint's row 1: the iteration is \"2\""),
+            (rb"\nrow 1 0 \d+", b"\nrow 1 0 -4", "checkpoint's row 1: simulations is \"-4\""),
+            (rb"\nrow 1 0 ", b"\nrow 1 9 ", "checkpoint's row 1: the stage is \"9\""),
+            (rb"\nterms \S+", b"\nterms nan", "checkpoint's row 1: terms is \"nan\""),
+            (rb"\nat \S+", b"\nat -0x1p-9", "checkpoint's row 1: at is"),
+            (re.escape(last), b"\n", "checkpoint's row 4: the next word"),
+            (re.escape(last), last + last[1:], "what follows the rows"),
+        ]
+        out = self.path("forged")
+        os.makedirs(out, exist_ok=True)
+        for pattern, replacement, expected in forged:
+            content, count = re.subn(pattern, lambda _: replacement, text, count=1)
+            self.assertEqual(count, 1, pattern)
+            checksum = 0xcbf29ce484222325
+            for byte in content:
+                checksum = (checksum ^ byte) * 0x100000001b3 % 2**64
+            with open(os.path.join(out, "checkpoint.txt"), "wb") as stream:
+                stream.write(content + b"checksum %016x\n" % checksum)
+            process = self.codesign(*SMALL, *self.MORE, "--resume", "--out", out)
+            self.assertEqual(process.returncode, 1, (replacement, process.stderr))
+            self.assertRegex(process.stderr, expected)
+            self.assertNotIn("damaged", process.stderr)
+
 
 class Schedule(Resume):
     """A schedule of stages: what holds of an interrupted run holds in and between its stages, and more."""
 
-    MORE = ("--schedule", "0.7:1e-4:0.5,1:1e-6")
+    MORE = ("--schedule", "0.9:1e-4:0.5,1:1e-6")
 
     def test_stages(self):
         names, rows = results.read_history(self.reference)
@@ -269,7 +317,7 @@ class Schedule(Resume):
         best = min(last, key=lambda row: float(row[1]))
         self.assertEqual(summary["loss_best"], float(best[1]))
         self.assertEqual(summary["weights"], [float(text) for text in best[2:2 + bases]])
-        self.assertEqual([stage["grid"] for stage in summary["settings"]["schedule"]], [[17, 8, 8], [24, 10, 12]])
+        self.assertEqual([stage["grid"] for stage in summary["settings"]["schedule"]], [[22, 9, 11], [24, 10, 12]])
         # The design is handed on: the last stage starts from the best one of the first.
         first = min(rows[:2], key=lambda row: float(row[1]))
         self.assertEqual(last[0][2:2 + bases + 3], first[2:2 + bases + 3])
@@ -366,7 +414,7 @@ class Repeats(Scratch):
 class Tasks(Scratch):
     """Other objectives and controllers, and a record that does not fit its memory."""
 
-    NET = ("--grid", "20x8x10", "--steps", 30, "--iterations", 2, "--controller", "mlp", "--objective",
+    NET = ("--grid", "24x8x12", "--steps", 30, "--iterations", 2, "--controller", "mlp", "--objective",
            "travel:1,efficiency:0.1,effort:0.01")
 
     def test_a_network_under_a_weighted_sum(self):
@@ -392,7 +440,7 @@ class Tasks(Scratch):
                 self.assertEqual(a.read(), b.read(), name)
 
     def test_the_threshold_and_the_error_that_chooses_it(self):
-        short = ("--grid", "20x8x10", "--steps", 2, "--iterations", 1)
+        short = ("--grid", "24x8x12", "--steps", 2, "--iterations", 1)
         cells, thresholds = [], []
         for name, more in (("coarse", ("--model-error", 0.2)), ("fine", ("--model-error", "0.01")),
                            ("given", ("--threshold", 0.02)), ("silent", ()), ("all", ("--threshold", 0))):
@@ -413,7 +461,7 @@ class Tasks(Scratch):
         self.assertEqual((given, silent, every), (0.02, 0.02, 0.0))
         self.assertLess(cells[0], cells[1])
         self.assertEqual(cells[2], cells[3])
-        self.assertEqual(cells[4], 20 * 8 * 10)
+        self.assertEqual(cells[4], 24 * 8 * 12)
         # The threshold is chosen from the initial design: a resumed run finds it again.
         process = self.codesign(*short, "--iterations", 2, "--model-error", 0.2, "--resume", "--out",
                                 self.path("coarse"))
@@ -428,7 +476,7 @@ class Tasks(Scratch):
         with open(path, "w", encoding="utf-8") as stream:
             stream.write("0 0 0 0\n1.0, 0.2, 0.1, 0\n")
         out = self.path("path")
-        small = ("--grid", "20x8x10", "--steps", 10, "--iterations", 2)
+        small = ("--grid", "24x8x12", "--steps", 10, "--iterations", 2)
         process = self.codesign(*small, "--objective", "path,keep:0.5", "--path", path, "--out", out)
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("loss", process.stdout)
@@ -443,7 +491,7 @@ class Tasks(Scratch):
 class Laws(Scratch):
     """Other water, material, integrator and muscles."""
 
-    SMALL = ("--grid", "20x8x10", "--steps", 8, "--iterations", 2)
+    SMALL = ("--grid", "24x8x12", "--steps", 8, "--iterations", 2)
 
     def table(self, text):
         path = self.path("current.txt")
@@ -573,7 +621,7 @@ class Refusals(Scratch):
     def test_schedule(self):
         for text in ("", "fast", "0.5:1e-4", "0.5:1e-4,0.9:1e-6", "0.5:1e-4,1", "0.5,1", "1:1e-6:0.5", "0.05:1e-4,1:1e-6",
                      "1.5:1e-4,1:1e-6", "0.5:0,1:1e-6", "0.5:1e-4,1:0.1", "0.5:nan,1:1e-6", "nan:1e-4,1:1e-6",
-                     "0.5:1e-4:1,1:1e-6", "0.5:1e-4:0.5,0.7:1e-4:0.5,1:1e-6", "0.5:1e-4;1:1e-6", "0.5:1e-4,1:1e-6,",
+                     "0.5:1e-4:1,1:1e-6", "0.5:1e-4:0.5,0.9:1e-4:0.5,1:1e-6", "0.5:1e-4;1:1e-6", "0.5:1e-4,1:1e-6,",
                      "0.5:1e-4,1:1e-6x"):
             self.refuse(2, "--schedule expects", "--schedule", text)
         self.refuse(2, "at most 8 stages", "--schedule", ",".join(["0.5:1e-4"] * 8 + ["1:1e-6"]))
@@ -626,7 +674,13 @@ class Refusals(Scratch):
         self.refuse(2, "longer than", *listed(base + "#" * 5000 + "\n"))
         self.refuse(2, "not both", *listed(base), "mesh.stl")
         self.refuse(1, "some.stl", *listed(base))
-        self.refuse(1, "cannot open the list", "--bases-file", self.path("nowhere.txt"))
+        self.refuse(1, "cannot read .*nowhere.txt", "--bases-file", self.path("nowhere.txt"))
+        pipe = self.path("pipe")
+        os.mkfifo(pipe)
+        for path in ("/dev/zero", pipe, self.root):
+            self.refuse(1, f"cannot read {path}: it is not a regular file", "--bases-file", path)
+            self.refuse(1, f"cannot read {path}: it is not a regular file", "--objective", "path", "--path", path)
+            self.refuse(1, "regular file|folder", path)
         shapes = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
         tuna = "base " + os.path.abspath(os.path.join(shapes, "tuna.stl")) + "\n"
         thick = "fins mean 0 0.1 0 half 0.1 0.05 0.2\n"

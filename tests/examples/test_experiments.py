@@ -21,11 +21,11 @@ PROGRAM = ""
 SHAPES = os.environ.get("DQA_SHAPES_DIR") or os.path.join(
     os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples", "shapes")
 TINY = {"open_loop": ["--grid", "24x8x8", "--steps", "3", "--iterations", "2", "--generations", "3"],
-        "shape_optimization": ["--grid", "20x8x10", "--steps", "3", "--iterations", "5"],
+        "shape_optimization": ["--grid", "24x8x12", "--steps", "3", "--iterations", "5"],
         "pareto": ["--quick", "--grid", "20x8x8", "--steps", "3", "--iterations", "2"],
          "ablations": ["--grid", "20x8x8", "--steps", "2", "--iterations", "2"],
          "closed_loop": ["--grid", "24x20x8", "--steps", "3", "--iterations", "2"],
-         "position_keeping": ["--quick", "--grid", "20x8x10", "--steps", "3", "--iterations", "2"]}
+         "position_keeping": ["--quick", "--grid", "24x8x12", "--steps", "3", "--iterations", "2"]}
 
 
 def name():
