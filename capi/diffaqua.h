@@ -13,7 +13,10 @@
  *  - Options. Growable structs begin with struct_size; fill them with the matching _init function and change fields
  *    afterwards. Older (smaller) and newer (larger, zero-tailed) structs are accepted. NULL options mean defaults.
  *  - Threads. Distinct objects may be used concurrently. One object is used by one thread at a time, except that a
- *    built shape space and a finished tape are read-only and may be shared.
+ *    built shape space and a finished tape are read-only and may be shared. A
+ *    calling thread needs a stack of 256 KiB, 90 of which hold the thread-local variables of OpenBLAS and METIS. A
+ *    child of fork may use the library with any number of threads, with handles of its own or its parent's, unless
+ *    another thread of the parent was in a call with them.
  *  - Units. SI: metres, seconds, kilograms, newtons, pascals. The swimmer heads along +x; y is lateral; z is up.
  *  - All functions exist since version 0.1 unless marked otherwise.
  */
@@ -134,8 +137,8 @@ typedef struct dqa_shape_space_options {
     int32_t max_iterations;  /* of the barycentre; default 5000 */
     int32_t threads;         /* >= 1; results do not depend on it; default 1 */
     int32_t padding;         /* must be 0 */
-    double body_length;      /* m: length of the longest base; sets the cell size; default 1 */
-    double cell_size;        /* m: overrides body_length when > 0; default 0 */
+    double body_length;      /* m, in [1e-9, 1e9]: length of the longest base; sets the cell size; default 1 */
+    double cell_size;        /* m: 0 (default), or in [1e-9, 1e9], in place of body_length */
     double sigma;            /* width of the Gaussian kernel, in cells, in [0.2, 16]; default 0.4 */
     double tolerance;        /* marginal error (1-norm) at which the barycentre stops; default 1e-9 */
     dqa_cancel_token *cancel; /* NULL: none */
@@ -346,11 +349,11 @@ typedef struct dqa_simulator_options {
     int32_t material;            /* DQA_MATERIAL_*: default corotated, the paper's */
     int32_t planar;              /* 1: no node moves along z (a constraint); default 0; of no effect in two dimensions */
     int32_t preconditioner;      /* DQA_PRECONDITIONER_*: speed only; default DQA_PRECONDITIONER_MULTILEVEL */
-    double time_step;            /* s, > 0; default 1/30 */
-    double young_modulus;        /* Pa, > 0: of the solid; cells scale it by their occupancy; default 5e6 */
+    double time_step;            /* s, in [1e-12, 1e12]; default 1/30 */
+    double young_modulus;        /* Pa, in [1e-12, 1e18]: of the solid; cells scale it by their occupancy; default 5e6 */
     double poisson_ratio;        /* in [0, 0.5); default 0.45 (of material COROTATED only mu enters) */
-    double density;              /* kg/m^3, > 0; default 1000 */
-    double muscle_stiffness;     /* Pa, >= 0; default 2e6 */
+    double density;              /* kg/m^3, in [1e-12, 1e18]; default 1000 */
+    double muscle_stiffness;     /* Pa, in [0, 1e18]; default 2e6 */
     double contraction;          /* c in (0, 1): a signal u commands the rest ratios 1 - c u and 1 + c u; default 0.2 */
     double threshold;            /* tau in [0, 0.5): cells whose density exceeds it are simulated; default 0.02 */
     double occupancy_floor;      /* least occupancy of a simulated cell, in [1e-12, 0.1]; default 1e-10 */
@@ -365,14 +368,14 @@ typedef struct dqa_simulator_options {
                                     not add up; less also where forces in a stiff body are far larger than what moves
                                     it. Smaller ones do not make gradients more accurate. With a loose `tolerance`, or a
                                     rollout in many short tapes, give one */
-    double water_density;        /* kg/m^3, > 0; default 1000 */
+    double water_density;        /* kg/m^3, in [1e-12, 1e18]; default 1000 */
     double current[3];           /* m/s: velocity of the water; in two dimensions [2] must be 0; default 0 */
     double drag_coefficients[4];   /* cubic Bezier ordinates of Cd over |Phi|/(pi/2). The curve, not each ordinate, must
                                       be >= 0 at every angle, as rounded by angle_smoothing */
     double thrust_coefficients[4]; /* cubic Bezier ordinates of Ct over Phi/pi + 1/2. The curve must nowhere fall */
-    double speed_smoothing;      /* m/s, > 0: |v| becomes sqrt(v^2 + eps^2); default 1e-2 */
+    double speed_smoothing;      /* m/s, in [1e-12, 1e18]: |v| becomes sqrt(v^2 + eps^2); default 1e-2 */
     double angle_smoothing;      /* rad, in (0, 0.5]: rounds the cone of Cd and Ct at head-on flow; default 0.02 */
-    double surface_smoothing;    /* > 0: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
+    double surface_smoothing;    /* in [1e-12, 1e18]: face weight sqrt(dG^2 + eps^2) - eps of an occupancy jump dG; default 1e-2 */
     dqa_cancel_token *cancel;    /* NULL: none */
     int32_t water_faces;         /* DQA_FACES_*: default DQA_FACES_BOTH */
     int32_t linear_precision;    /* DQA_PRECISION_*: default DQA_PRECISION_SINGLE. Of the iterations of linear solves
@@ -596,7 +599,7 @@ typedef struct dqa_callback_controller_options {
     uint32_t flags;                /* must be 0 */
     int32_t n_signals;             /* in [1, 4096]; default 1 */
     int32_t n_sensors;             /* 0 (default): reads none, the loop is open; otherwise 5 dims, i.e. 15 or 10 */
-    double time_step;              /* s, > 0: only for the callbacks' `time`; default 1/30 */
+    double time_step;              /* s, in [1e-12, 1e12]: only for the callbacks' `time`; default 1/30 */
     dqa_control_evaluate evaluate; /* not NULL */
     /* NULL: no derivatives. An open loop then still gives every gradient but DQA_WRT_CONTROL; a controller that reads
      * sensors closes a loop whose derivative is unknown, and dqa_adjoint_create refuses its tapes (DQA_ERROR_STATE). */
@@ -802,7 +805,8 @@ DQA_API dqa_status dqa_check_gradient(const dqa_simulator *simulator, const dqa_
 
 /* ------------------------------------------------------------------ stateless helpers for optimisers */
 /* One Adam step (Kingma & Ba 2015; beta1 0.9, beta2 0.999, eps 1e-8). x, gradient, rates, first_moment,
- * second_moment: [n]; iteration counts from 1; x and the moments are updated in place. */
+ * second_moment: [n]; iteration counts from 1; x and the moments are updated in place. DQA_DIVERGED where one of them would
+ * be no finite number (gradients beyond 1e150 have no square); nothing has changed then. */
 DQA_API dqa_status dqa_adam_step(double *x, const double *gradient, const double *rates, double *first_moment,
                                  double *second_moment, int64_t n, int64_t iteration);
 /* Euclidean projection of x [n] onto the simplex, in place (Held, Wolfe & Crowder 1974). */

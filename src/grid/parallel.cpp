@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "grid/parallel.hpp"
 
+#include <unistd.h>
+
+#include <latch>
+#include <system_error>
 #include <thread>
 
 #if defined(_OPENMP)
@@ -19,6 +23,37 @@ inline void relax() {
     std::this_thread::yield();
 #endif
 }
+
+#if defined(_OPENMP)
+// Of the process that has loaded the library. In a child of it by fork, OpenMP's pool of threads is not there any more,
+// and a parallel region waits for it for ever.
+const pid_t loaded_by = ::getpid();
+
+// Where OpenMP cannot have the threads that it wants it ends the process. So they are asked for first, all at a time,
+// whenever there are more than ever before.
+bool openmp_can(int threads) {
+    static std::atomic<int> proven{1};
+    if (::getpid() != loaded_by) return false;
+    if (threads <= proven.load()) return true;
+    std::latch enough(1);
+    std::vector<std::thread> probes;
+    bool all = true;
+    try {
+        for (int k = 1; k < threads; ++k) probes.emplace_back([&enough] { enough.wait(); });
+    } catch (const std::system_error&) {
+        all = false;
+    } catch (...) {
+        enough.count_down();
+        for (std::thread& t : probes) t.join();
+        throw;
+    }
+    enough.count_down();
+    for (std::thread& t : probes) t.join();
+    for (int before = proven.load(); all && before < threads && !proven.compare_exchange_weak(before, threads);) {
+    }
+    return all;
+}
+#endif
 
 }  // namespace
 
@@ -120,19 +155,27 @@ void WorkCrew::run(const std::function<void()>& work) {
         loop_.epoch.notify_all();
     };
 #if defined(_OPENMP)
+    if (openmp_can(threads_)) {
 #pragma omp parallel num_threads(threads_)
-    {
-        if (omp_get_thread_num() == 0)
-            lead();
-        else
-            help(omp_get_thread_num());
+        {
+            if (omp_get_thread_num() == 0)
+                lead();
+            else
+                help(omp_get_thread_num());
+        }
+        if (error) std::rethrow_exception(error);
+        return;
     }
-#else
+#endif
+    // As many helpers as there can be: what they do not do the caller does, with the same result.
     std::vector<std::thread> helpers;
-    for (int k = 1; k < threads_; ++k) helpers.emplace_back([this, k] { help(k); });
+    helpers.reserve(static_cast<std::size_t>(threads_));
+    try {
+        for (int k = 1; k < threads_; ++k) helpers.emplace_back([this, k] { help(k); });
+    } catch (const std::system_error&) {
+    }
     lead();
     for (std::thread& t : helpers) t.join();
-#endif
     if (error) std::rethrow_exception(error);
 }
 

@@ -19,8 +19,8 @@ void Tangent::centre(std::vector<double>& z) const {
 
 void Tangent::project(std::vector<double>& z) const {
     over_cells([&](std::size_t begin, std::size_t end) {
-        double mean[kGrain];
-        mean_of(z, begin, end, mean);
+        std::vector<double> mean(end - begin);  // not on the stack, of which a caller's thread may have little
+        mean_of(z, begin, end, mean.data());
         if (joint_)
             for (std::size_t k = 0; k < which_.size(); ++k)
                 for (std::size_t c = begin; c < end; ++c) z[k * p_.size() + c] -= mean[c - begin];
@@ -50,8 +50,8 @@ void Tangent::solve(std::vector<double>& y, std::vector<double>& r, double targe
         if (!(curvature > 0)) break;
         const double step = rm / curvature;
         const auto advance = [&](std::size_t begin, std::size_t end) {
-            double mean[kGrain];
-            mean_of(ld, begin, end, mean);
+            std::vector<double> mean(end - begin);
+            mean_of(ld, begin, end, mean.data());
             for (std::size_t k = 0; k < which_.size(); ++k)
                 for (std::size_t c = begin; c < end; ++c) {
                     const std::size_t at = k * n + c;

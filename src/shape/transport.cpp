@@ -129,9 +129,10 @@ Jacobian::Jacobian(const Transport& transport, const double* x, const double* kv
             const std::size_t at = first + static_cast<std::size_t>(begin);
             const int count = end - begin;
             t_.kernels_.exp(x + at, v_.data() + at, count);
-            double minus[kGrain];
-            for (int k = 0; k < count; ++k) minus[k] = -log_d[at + static_cast<std::size_t>(k)];
-            t_.kernels_.exp(minus, inv_d_.data() + at, count);
+            std::vector<double> minus(static_cast<std::size_t>(count));  // not on a stack that may be small
+            for (int k = 0; k < count; ++k)
+                minus[static_cast<std::size_t>(k)] = -log_d[at + static_cast<std::size_t>(k)];
+            t_.kernels_.exp(minus.data(), inv_d_.data() + at, count);
         });
     }
     const auto [nx, ny, nz] = t_.kernel_.cells();

@@ -61,6 +61,28 @@ class Environment(unittest.TestCase):
         env.reset(seed=2)
         self.assertEqual([env.step(env.action_space.sample())[3] for _ in range(3)], [False, False, True])
 
+    def test_environments_in_forked_processes(self):
+        """As AsyncVectorEnv makes them where fork is the default: one in the parent, whose threads the workers lack."""
+        def make():
+            made = dq.Simulator(scene.space(cells_x=80, cells_y=32, threads=2), threads=2, **scene.SETTINGS)
+            return SwimmerEnv(made, weights=[0.5, 0.5], max_steps=4)
+
+        actions = np.array([[0.5], [-0.5]])
+        together = gymnasium.vector.SyncVectorEnv([make] * 2)
+        apart = gymnasium.vector.AsyncVectorEnv([make] * 2, context="fork")
+        try:
+            together.reset(seed=3)
+            apart.reset_async(seed=3)
+            apart.reset_wait(timeout=60)
+            apart.step_async(actions)
+            states, rewards, *_ = apart.step_wait(timeout=60)
+            expected, paid, *_ = together.step(actions)
+            np.testing.assert_array_equal(states, expected)
+            np.testing.assert_array_equal(rewards, paid)
+        finally:
+            apart.close(terminate=True)
+            together.close()
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=1)
