@@ -1,13 +1,13 @@
 #!/bin/sh
-# Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the line coverage of
-# the quick ones against its goals (tests/coverage.sh), then the whole suite of the optimised build, whose ctest summary
+# Builds everything and runs every test: first what the sanitizers can see in the quick ones, with their line coverage
+# against its goals (tests/coverage.sh; one build serves both), then the whole suite of the optimised build, whose ctest summary
 # is the last thing printed. Stops at the first run that fails.
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
-#   DQA_TEST_ASAN   0 leaves the sanitizer run out
+#   DQA_TEST_ASAN   0 leaves the sanitizer run and the coverage out
 #   DQA_TEST_INSTALL    1 lets the test of the Debian packages install them on this machine for a moment, as root;
 #                       default: 1 where the variable CI is set, as services that test on machines of their own do
-#   DQA_TEST_COVERAGE   0 leaves the coverage run out
+#   DQA_TEST_COVERAGE   0 leaves the coverage out
 set -eu
 cd "$(dirname "$0")/.."
 repo=$(pwd)
@@ -44,11 +44,11 @@ build default
 if [ "${DQA_TEST_ASAN:-1}" != 0 ]; then
     build asan
     echo "run: tests under the address and undefined-behaviour sanitizers"
+    find build/asan -name '*.gcda' -delete
     ctest --preset asan --parallel "$jobs"
-fi
-if [ "${DQA_TEST_COVERAGE:-1}" != 0 ]; then
-    build coverage
-    ./tests/coverage.sh
+    if [ "${DQA_TEST_COVERAGE:-1}" != 0 ]; then
+        ./tests/coverage.sh
+    fi
 fi
 echo "run: all tests"
 ctest --preset default --parallel "$jobs"

@@ -10,6 +10,10 @@ enum class InstructionSet : int { automatic = 0, baseline = 1, avx2 = 2, avx512 
 // The best set of this processor, or `wanted` if the processor has it (otherwise the best below it).
 InstructionSet choose_instruction_set(InstructionSet wanted);
 
+// From now on the best set is taken to be no better than this, by all that are made later. For tests, which try every
+// set of the processor that they run on; not beside other threads.
+void limit_instruction_sets(InstructionSet most);
+
 // The table of a kernel source for an instruction set, from the functions that return it: prefix_baseline, and where
 // the build has them prefix_avx2 and prefix_avx512.
 template <class Table>

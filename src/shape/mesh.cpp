@@ -301,7 +301,7 @@ TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, Me
     count_topology(mesh, r, component, bad);
     if (r.boundary_edges > 0) {
         // Vertices of one place that differ in their last digits, as programs write them, leave seams.
-        TriangleMesh snapped = in;
+        TriangleMesh snapped = mesh;
         const int moved = snap(snapped, kSeam * b.largest());
         MeshReport of_snapped;
         const TriangleMesh closed = weld(snapped, of_snapped);
@@ -312,6 +312,8 @@ TriangleMesh clean_and_check(const TriangleMesh& in, const std::string& name, Me
             log_message(LogLevel::warning,
                         "mesh '%s': it closes only when vertices within %g of each other count as one; %d were moved",
                         name.c_str(), kSeam * b.largest(), moved);
+            of_snapped.degenerate_triangles += r.degenerate_triangles;
+            of_snapped.duplicate_vertices_merged += r.duplicate_vertices_merged;
             of_snapped.length_x = r.length_x, of_snapped.length_y = r.length_y, of_snapped.length_z = r.length_z;
             mesh = closed, r = of_snapped, component = its_component, bad = its_bad;
         }

@@ -62,3 +62,20 @@ double* scene_doubles(int64_t n) {
     assert_non_null(p);
     return p;
 }
+
+static int wanted_set(void) {
+    const char* wanted = getenv("DQA_TEST_INSTRUCTION_SET");
+    return wanted != NULL ? atoi(wanted) : 0;
+}
+
+dqa_simulator_options scene_options(void) {
+    dqa_simulator_options options;
+    ok(dqa_simulator_options_init(&options, sizeof options));
+    options.instruction_set = wanted_set();
+    return options;
+}
+
+int scene_skipped(void) {
+    const int best = strstr(dqa_features(), "avx512") != NULL ? 3 : strstr(dqa_features(), "avx2") != NULL ? 2 : 1;
+    return wanted_set() >= best;
+}

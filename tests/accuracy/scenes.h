@@ -29,6 +29,10 @@ dqa_shape_space* scene_shipped(int32_t nx, int32_t ny, int32_t nz, double tolera
 
 dqa_simulator* scene_simulator(dqa_shape_space* space, const dqa_simulator_options* options, double first_weight);
 dqa_objective_term scene_travel(void);
+/* Defaults, with the instruction set that the variable DQA_TEST_INSTRUCTION_SET names (1 baseline, 2 AVX2), if any. */
+dqa_simulator_options scene_options(void);
+/* Whether that set would try nothing new on this processor; a program then ends with 77. */
+int scene_skipped(void);
 double* scene_doubles(int64_t n);
 
 #endif
