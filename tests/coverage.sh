@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tells from the counters of the tests of the preset asan (which run.sh has built and run) the line coverage of each file
-# of capi/ and src/ and which lines no test reaches, and fails below the goals.
+# Runs the unit and C API tests of the coverage build (which must stand; run.sh builds it), tells the line coverage of
+# each file of capi/ and src/ and which lines no test reaches, and fails below the goals.
 #   DQA_TEST_JOBS   parallel jobs; default: the number of processors
 set -eu
 cd "$(dirname "$0")/.."
@@ -10,9 +10,11 @@ capi_goal=100
 src_goal=90
 
 jobs=${DQA_TEST_JOBS:-$(nproc)}
-build=build/asan
+build=build/coverage
 traces=$build/coverage.json
 
+find "$build" -name '*.gcda' -delete
+ctest --preset coverage --parallel "$jobs"
 gcovr -j "$jobs" --root . --object-directory "$build" --filter 'capi/' --filter 'src/' \
     --exclude 'capi/reference/' --json "$traces"
 status=0

@@ -1,18 +1,25 @@
 #!/bin/sh
-# Builds everything and runs every test: first what the sanitizers can see in the quick ones, with their line coverage
-# against its goals (tests/coverage.sh; one build serves both), then the whole suite of the optimised build, whose ctest summary
-# is the last thing printed. Stops at the first run that fails.
+# Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the whole suite of the
+# optimised build, whose ctest summary is the last thing printed. Stops at the first run that fails.
+#   run.sh [--full]     --full runs what takes long besides: the line coverage of the quick tests against its goals
+#                       (tests/coverage.sh), and 30 s of each fuzzing harness (tests/fuzz/run.sh)
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
-#   DQA_TEST_ASAN   0 leaves the sanitizer run and the coverage out
+#   DQA_TEST_ASAN   0 leaves the sanitizer run out
 #   DQA_TEST_INSTALL    1 lets the test of the Debian packages install them on this machine for a moment, as root;
 #                       default: 1 where the variable CI is set, as services that test on machines of their own do
-#   DQA_TEST_COVERAGE   0 leaves the coverage out
 set -eu
 cd "$(dirname "$0")/.."
 repo=$(pwd)
 
-./tests/setup.sh
+full=
+case "$#:${1:-}" in
+    0:) ;;
+    1:--full) full=--full ;;
+    *) echo "usage: tests/run.sh [--full]" >&2; exit 2 ;;
+esac
+
+./tests/setup.sh $full
 
 if [ -z "${DQA_TEST_DATA:-}" ] && [ -d "$repo/../shared/data" ]; then
     DQA_TEST_DATA=$(cd "$repo/../shared/data" && pwd)
@@ -44,11 +51,12 @@ build default
 if [ "${DQA_TEST_ASAN:-1}" != 0 ]; then
     build asan
     echo "run: tests under the address and undefined-behaviour sanitizers"
-    find build/asan -name '*.gcda' -delete
     ctest --preset asan --parallel "$jobs"
-    if [ "${DQA_TEST_COVERAGE:-1}" != 0 ]; then
-        ./tests/coverage.sh
-    fi
+fi
+if [ -n "$full" ]; then
+    build coverage
+    ./tests/coverage.sh
+    ./tests/fuzz/run.sh 30
 fi
 echo "run: all tests"
 ctest --preset default --parallel "$jobs"

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Installs the Debian packages that the library, its tests and its tools need. Needs no root when all are there.
+#   setup.sh [--full]   --full: also what tests/run.sh --full needs
 set -eu
 
 # package              purpose
@@ -31,6 +32,8 @@ doxygen                # the reference of the header
 ccache                 # makes the second build short
 LIST
 )
+# libFuzzer, for tests/fuzz
+[ "${1:-}" != --full ] || packages="$packages clang libclang-rt-14-dev"
 
 missing=
 for package in $packages; do

@@ -31,8 +31,8 @@ private:
     const ElasticKernels& kernels_;
     double inv_dx_, slab_, volume_;  // volume of a cell's integration point
     std::vector<double> mu_, lambda_;
-    InBothPrecisions<std::vector> weight_;  // blocked
-    std::vector<double> shift_;             // blocked
+    InBothPrecisions<Numbers> weight_;  // blocked
+    std::vector<double> shift_;         // blocked
 };
 
 }  // namespace dqa

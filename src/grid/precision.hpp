@@ -17,6 +17,10 @@ struct InBothPrecisions {
     const Of<float>& in(float) const { return single; }
 };
 
+// A vector with its default allocator: a template of one parameter, as InBothPrecisions wants it.
+template <class T>
+using Numbers = std::vector<T>;
+
 // Entries [begin, end) of `from` to the same place of `to`.
 template <class From, class To>
 inline void convert(const std::vector<From>& from, std::vector<To>& to, std::size_t begin, std::size_t end) {

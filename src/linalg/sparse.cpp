@@ -7,6 +7,7 @@
 #include <Eigen/SparseLU>
 
 #include "grid/error.hpp"
+#include "linalg/blas_memory.hpp"
 
 #if defined(DQA_HAVE_CHOLMOD)
 #include <cholmod.h>
@@ -87,10 +88,13 @@ private:
 // CHOLMOD's context: silent, on the calling thread alone, and freed with the scope.
 class Context {
 public:
-    Context() {
+    Context() {  // std::bad_alloc
         cholmod_start(&c);
         c.print = 0;
         c.error_handler = nullptr;
+        // By itself CHOLMOD would also try METIS, which raises signals where it fails and reseeds the host's rand().
+        c.nmethods = 1;
+        c.method[0].ordering = CHOLMOD_AMD;
     }
     ~Context() { cholmod_finish(&c); }
     Context(const Context&) = delete;
@@ -98,6 +102,7 @@ public:
     cholmod_common c;
 
 private:
+    BlasCall room_;
     NoParallelRegions serial_;
 };
 
@@ -147,7 +152,6 @@ CholeskyFactor factorise(const SymmetricMatrix& matrix, const std::vector<int>& 
     Context context;
     cholmod_common& c = context.c;
     c.supernodal = CHOLMOD_SUPERNODAL;
-    c.nmethods = 1;
     c.method[0].ordering = CHOLMOD_GIVEN;
     c.postorder = 1;
     cholmod_sparse a = view_of(matrix);
@@ -306,6 +310,7 @@ bool solve_indefinite(const SymmetricMatrix& matrix, std::vector<double>& x) {
         }
     }
     const std::vector<double> b(x);  // before anything lives that an exception would leave behind
+    const BlasCall room;
     void *symbolic = nullptr, *numeric = nullptr;
     int status = umfpack_di_symbolic(n, n, start.data(), row.data(), value.data(), &symbolic, nullptr, nullptr);
     if (status == UMFPACK_OK)

@@ -202,7 +202,7 @@ private:
     std::vector<double> candidate_, right_;
     const StepKernels& kernels_;
     InBothPrecisions<NodeTerms> forces_;                 // of the elements: scratch of loops over the nodes
-    InBothPrecisions<std::vector> masked_;               // scratch of apply_hessian
+    InBothPrecisions<Numbers> masked_;                   // scratch of apply_hessian
     std::array<std::vector<double>, 2> preconditioned_;  // scratch of shifted_direction
     bool two_step_ = false;
     double beta_ = 0.0;                      // s

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <limits>
 #include <numeric>
 
 #include "grid/error.hpp"
 #include "grid/sealed_file.hpp"
+#include "grid/symmetric_eigen.hpp"
 #include "optimize/normal.hpp"
 
 namespace dqa {
@@ -179,13 +180,13 @@ void CmaEs::tell(const double* values) {
 void CmaEs::decompose() {
     MatrixView c(covariance_.data(), settings_.n, settings_.n);
     c = (0.5 * (c + c.transpose())).eval();
-    const Eigen::SelfAdjointEigenSolver<Matrix> solver(c);
-    const Vector& values = solver.eigenvalues();
+    const SymmetricEigen eigen = symmetric_eigen(c);
+    const Vector& values = eigen.values;
     const double most = values.maxCoeff();
-    if (solver.info() != Eigen::Success || !std::isfinite(most) || !(most > 0))
+    if (!eigen.good || !std::isfinite(most) || !(most > 0))
         fail(Status::DIVERGED, "generation %lld: the covariance is not a finite positive matrix any more",
              static_cast<long long>(generation_));
-    MatrixView(axes_.data(), settings_.n, settings_.n) = solver.eigenvectors();
+    MatrixView(axes_.data(), settings_.n, settings_.n) = eigen.vectors;
     // Rounding alone can bring one to zero; C itself follows as it is adapted.
     for (int i = 0; i < settings_.n; ++i) lengths_[sized(i)] = std::sqrt(std::max(values[i], 1e-28 * most));
     decomposed_ = generation_;

@@ -2,7 +2,8 @@
 #include "shape/anderson.hpp"
 
 #include <cmath>
-#include <Eigen/Eigenvalues>
+
+#include "grid/symmetric_eigen.hpp"
 
 namespace dqa {
 
@@ -34,13 +35,13 @@ void Anderson::step(std::vector<double>& x, const std::vector<double>& f, const 
             scale(i) = gram_(i, i) > 0 ? 1.0 / std::sqrt(gram_(i, i)) : 0.0;
         }
         const Eigen::MatrixXd gram = scale.asDiagonal() * gram_ * scale.asDiagonal();
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-        const Eigen::VectorXd projected = eigen.eigenvectors().transpose() * scale.cwiseProduct(right);
-        const double cut = 1e-14 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+        const SymmetricEigen eigen = symmetric_eigen(gram);
+        const Eigen::VectorXd projected = eigen.vectors.transpose() * scale.cwiseProduct(right);
+        const double cut = 1e-14 * eigen.values.cwiseAbs().maxCoeff();
         Eigen::VectorXd scaled(k);
         for (Eigen::Index i = 0; i < k; ++i)
-            scaled(i) = eigen.eigenvalues()(i) > cut ? projected(i) / eigen.eigenvalues()(i) : 0.0;
-        gamma = scale.cwiseProduct(eigen.eigenvectors() * scaled);
+            scaled(i) = eigen.values(i) > cut ? projected(i) / eigen.values(i) : 0.0;
+        gamma = scale.cwiseProduct(eigen.vectors * scaled);
     }
     for (std::size_t c = 0; c < size_; ++c) x[c] += f[c];
     for (Eigen::Index j = 0; j < k; ++j) {

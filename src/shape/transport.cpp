@@ -135,7 +135,7 @@ Jacobian::Jacobian(const Transport& transport, const double* x, const double* kv
             t_.kernels_.exp(minus.data(), inv_d_.data() + at, count);
         });
     }
-    const auto [nx, ny, nz] = t_.kernel_.cells();
+    const int nx = t_.kernel_.cells()[0], ny = t_.kernel_.cells()[1], nz = t_.kernel_.cells()[2];
     parallel_chunks(t_.threads_, static_cast<int>(t_.bases()) * nx, 1, [&](int begin, int end) {
         for (int slab = begin; slab < end; ++slab) {
             const std::size_t i = static_cast<std::size_t>(slab / nx), s = static_cast<std::size_t>(slab % nx);

@@ -2,7 +2,9 @@
  * What a host may do around the library: fork after threads have run, call from threads of little stack. */
 #define _POSIX_C_SOURCE 200809L
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #else
 #define STACK (256 * 1024)
 #endif
+enum { CHAIN_NO_MEMORY = 3 }; /* exit status */
 enum { LONG = 20, WIDE = 8, HIGH = 8, STEPS = 2 };
 
 /* A loss and its gradient, over the full box, so that there are cells for several threads. */
@@ -164,10 +167,62 @@ static void little_stack_is_enough(void** state) {
     }
 }
 
-int main(void) {
+#if !defined(__SANITIZE_ADDRESS__)
+/* How a process ends that computes the whole chain with so many MiB of address space, loading the library included. */
+static int ended_with(const char* program, int mebibytes) {
+    int ended = 0;
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        const struct rlimit most = {(rlim_t)mebibytes << 20, (rlim_t)mebibytes << 20};
+        char* const arguments[] = {(char*)program, (char*)"--chain", NULL};
+        /* Threads that OpenBLAS starts as it is loaded, and what they ask for, are nobody's to refuse: none of them. */
+        if (setenv("OPENBLAS_NUM_THREADS", "1", 1) != 0 || setrlimit(RLIMIT_AS, &most) != 0 ||
+            freopen("/dev/null", "w", stderr) == NULL)
+            _exit(126);
+        execv(program, arguments);
+        _exit(127);
+    }
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    return ended;
+}
+#endif
+
+/* OpenBLAS asks for its buffers without end where there is no room for them: the library looks before. */
+static void little_address_space_is_an_error(void** state) {
+#if defined(__SANITIZE_ADDRESS__)
+    (void)state;
+    skip(); /* its shadow takes terabytes */
+#else
+    const char* program = *state;
+    int mebibytes, succeeded = 0, refused_memory = 0;
+    for (mebibytes = 64; mebibytes <= 1536; mebibytes += mebibytes < 640 ? 16 : 128) {
+        const int ended = ended_with(program, mebibytes);
+        if (WIFSIGNALED(ended) && WTERMSIG(ended) == SIGALRM) fail_msg("%d MiB: it hangs", mebibytes);
+        if (!WIFEXITED(ended)) fail_msg("%d MiB: ended by signal %d", mebibytes, WTERMSIG(ended));
+        succeeded += WEXITSTATUS(ended) == 0;
+        refused_memory += WEXITSTATUS(ended) == CHAIN_NO_MEMORY;
+        /* 127: not even the loader had room. */
+        if (WEXITSTATUS(ended) != 0 && WEXITSTATUS(ended) != CHAIN_NO_MEMORY && WEXITSTATUS(ended) != 127)
+            fail_msg("%d MiB: it ended with %d", mebibytes, WEXITSTATUS(ended));
+    }
+    assert_true(succeeded > 0 && refused_memory > 0);
+#endif
+}
+
+static int chain_alone(void) {
+    answer a;
+    alarm(60);
+    whole_chain(1, DQA_METHOD_NEWTON_PCG, &a);
+    return a.status == DQA_SUCCESS ? 0 : a.status == DQA_ERROR_MEMORY ? CHAIN_NO_MEMORY : 1;
+}
+
+int main(int argc, char** argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_child_computes),
+        cmocka_unit_test_prestate(little_address_space_is_an_error, argv[0]),
         cmocka_unit_test(little_stack_is_enough),
     };
+    if (argc > 1) return chain_alone();
     return cmocka_run_group_tests_name("host", tests, NULL, NULL);
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The body's energies: value, gradient, Hessian product, parameter derivatives, filter. The rotation itself is tested
 // in test_rotation.cpp, blocks, instruction sets and threads in test_body_layout.cpp.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "body_fixtures.hpp"
+#include "grid/symmetric_eigen.hpp"
 
 namespace {
 
@@ -21,7 +22,7 @@ Eigen::MatrixXd hessian(const Body& body, BodyWorkspace& ws, std::size_t n) {
 }
 
 double least_eigenvalue(const Eigen::MatrixXd& h) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (h + h.transpose())).eigenvalues()(0);
+    return dqa::symmetric_eigen(0.5 * (h + h.transpose())).values(0);
 }
 
 Quadrature quadrature = Quadrature::full;  // of the bodies that the tests make: all run with each

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The Bures-Wasserstein barycentre: closed forms, its equation to rounding, and its derivative.
+#include <Eigen/Geometry>
+
 #include "derivative_checks.hpp"
 #include "shape/bures.hpp"
 #include "shape_fixtures.hpp"
@@ -14,7 +16,10 @@ using Eigen::Matrix3d;
 Matrix3d random_covariance(Random& random, double ratio) {
     Matrix3d g;
     for (int k = 0; k < 9; ++k) g(k / 3, k % 3) = random.uniform(-1, 1);
-    const Matrix3d q = Eigen::HouseholderQR<Matrix3d>(g).householderQ();
+    Matrix3d q;  // Gram-Schmidt
+    q.col(0) = g.col(0).normalized();
+    q.col(1) = (g.col(1) - q.col(0).dot(g.col(1)) * q.col(0)).normalized();
+    q.col(2) = q.col(0).cross(q.col(1));
     return q * Eigen::Vector3d(1, ratio, ratio * ratio).asDiagonal() * q.transpose();
 }
 
