@@ -39,8 +39,7 @@ void Anderson::step(std::vector<double>& x, const std::vector<double>& f, const 
         const Eigen::VectorXd projected = eigen.vectors.transpose() * scale.cwiseProduct(right);
         const double cut = 1e-14 * eigen.values.cwiseAbs().maxCoeff();
         Eigen::VectorXd scaled(k);
-        for (Eigen::Index i = 0; i < k; ++i)
-            scaled(i) = eigen.values(i) > cut ? projected(i) / eigen.values(i) : 0.0;
+        for (Eigen::Index i = 0; i < k; ++i) scaled(i) = eigen.values(i) > cut ? projected(i) / eigen.values(i) : 0.0;
         gamma = scale.cwiseProduct(eigen.vectors * scaled);
     }
     for (std::size_t c = 0; c < size_; ++c) x[c] += f[c];

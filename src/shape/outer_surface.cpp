@@ -222,7 +222,8 @@ private:
             for (const Plane& plane : dividing_planes(t, partners[k].triangle)) {
                 if (!plane.parts(piece)) continue;
                 ConvexPolygon below, above;
-                cut(piece, [&](const Vec3& x) { return plane.height(x); }, below, above);
+                cut(
+                    piece, [&](const Vec3& x) { return plane.height(x); }, below, above);
                 if (!has_area(below) || !has_area(above)) continue;
                 split(t, below, partners, k), split(t, above, partners, k);
                 return;
@@ -247,7 +248,8 @@ private:
             std::size_t both = 0;
             for (const Partner& p : partners) both += p.reach.lo[axis] <= middle && p.reach.hi[axis] >= middle;
             if (partners.size() <= settled + kFew || 2 * both > partners.size()) return false;
-            cut(piece, [&](const Vec3& x) { return x[axis] - middle; }, one, other);
+            cut(
+                piece, [&](const Vec3& x) { return x[axis] - middle; }, one, other);
             if (!has_area(one) || !has_area(other)) return false;
         }
         split(t, one, partners, settled), split(t, other, partners, settled);

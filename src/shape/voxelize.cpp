@@ -122,7 +122,8 @@ public:
 private:
     static void cut_at(const ConvexPolygon& in, std::size_t axis, double at, ConvexPolygon& below,
                        ConvexPolygon& above) {
-        cut(in, [&](const Vec3& x) { return x[axis] - at; }, below, above);
+        cut(
+            in, [&](const Vec3& x) { return x[axis] - at; }, below, above);
     }
 
     template <class F>

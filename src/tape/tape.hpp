@@ -71,8 +71,7 @@ public:
     void require_terms(const std::vector<ObjectiveTerm>& terms) const;
 
     struct Statistics {
-        std::int64_t bytes = 0, newton_iterations = 0, linear_iterations = 0, rescued_steps = 0,
-                     indefinite_steps = 0;
+        std::int64_t bytes = 0, newton_iterations = 0, linear_iterations = 0, rescued_steps = 0, indefinite_steps = 0;
         double worst_residual = 0.0;
     };
     const Statistics& statistics() const { return statistics_; }

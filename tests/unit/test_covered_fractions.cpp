@@ -278,7 +278,8 @@ void test_overlap_by_sampling() {
         append(m, random_tetrahedron(random, 3));
         m = with_image(m);
         const Covered c = cover(m, {12, 12, 12});
-        check_by_sampling(c, [&](const Vec3& x) { return winding(m, x) > 0; }, 5, 0.17);
+        check_by_sampling(
+            c, [&](const Vec3& x) { return winding(m, x) > 0; }, 5, 0.17);
     }
 }
 
@@ -291,7 +292,8 @@ void test_self_intersection_by_sampling() {
         if (mesh_volume(m) < 0) m = inside_out(m);
         m = with_image(m);
         const Covered c = cover(m, {11, 11, 11});
-        check_by_sampling(c, [&](const Vec3& x) { return winding(m, x) > 0; }, 5, 0.17);
+        check_by_sampling(
+            c, [&](const Vec3& x) { return winding(m, x) > 0; }, 5, 0.17);
     }
 }
 

@@ -53,6 +53,14 @@ class Rollouts(unittest.TestCase):
         with self.assertRaisesRegex(Exception, "w: expected numbers >= 0"):
             jax.block_until_ready(self.loss(-W, THETA))
 
+    def test_types(self):
+        """Whole numbers are taken as numbers; complex ones are refused, not cut."""
+        whole = self.loss(jnp.array([1, 0]), THETA)
+        self.assertEqual(whole.dtype, self.loss(jnp.array([1.0, 0.0]), THETA).dtype)
+        self.assertEqual(float(whole), float(self.loss(jnp.array([1.0, 0.0]), THETA)))
+        with self.assertRaisesRegex(TypeError, "complex"):
+            self.loss(jnp.array([1.0 + 1.0j, 0.0]), THETA)
+
 
 class Steps(unittest.TestCase):
     def test_gradient_through_a_loop(self):

@@ -91,4 +91,6 @@ def simulator_step(simulator: Simulator) -> Callable[[Any, Any, Any], tuple[Any,
 
 def _floats(value: Any) -> Any:
     array = jnp.asarray(value)
+    if jnp.issubdtype(array.dtype, jnp.complexfloating):
+        raise TypeError(f"expected real numbers, got an array of {array.dtype}")
     return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(jnp.result_type(float))
