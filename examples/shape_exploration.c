@@ -92,8 +92,8 @@ static int read_shapes(job* w, const char* at) {
         for (int i = 0; i < 10; ++i) {
             char* end = NULL;
             numbers[i] = strtod(at, &end);
-            /* Sizes, shares and counts: none is negative, and a count is a whole number that a double holds. */
-            if (end == at || !(numbers[i] >= 0.0 && numbers[i] <= 9007199254740992.0)) return FAILED;
+            /* Sizes, shares and counts that a double holds; the overlap is -1 where there is none. */
+            if (end == at || !(numbers[i] >= (i == 3 ? -1.0 : 0.0) && numbers[i] <= 9007199254740992.0)) return FAILED;
             at = end;
         }
         s->volume = numbers[0], s->largest = numbers[1], s->largest_simulated = numbers[2];

@@ -7,7 +7,7 @@ the machine disturbs less than the wall clock.
       --csv FILE         a row per iteration: start, schedule, iteration, stage, seconds, loss, weights
       --starts LIST      of shares of the meshes, separated by spaces (equal shares; mostly goldfish)
       --schedules LIST   texts of codesign's --schedule, separated by spaces ("none coarse")
-      --quick            a coarser grid, fewer steps and one start: a quarter of a minute
+      --quick            a coarser grid, fewer steps and one start: half a minute
 
 What follows CODESIGN replaces the task used otherwise: the shares of the four shapes of codesign without meshes under
 a fixed sine. From the second start the iterations end in a local optimum without a schedule. `seconds` are CPU seconds of
@@ -24,8 +24,8 @@ import sys
 import tempfile
 
 STARTS = ["0.25,0.25,0.25,0.25", "0.1,0.1,0.1,0.7"]
-SCENE = ["--fixed-control", "--grid", "32x10x16", "--steps", "30", "--iterations", "25"]
-QUICK = ["--fixed-control", "--grid", "24x10x12", "--steps", "16", "--iterations", "20"]
+SCENE = ["--fixed-control", "--grid", "48x12x20", "--steps", "30", "--iterations", "25"]
+QUICK = ["--fixed-control", "--grid", "48x10x16", "--steps", "10", "--iterations", "20"]
 CLOSE = 0.01
 
 

@@ -104,11 +104,11 @@ def step(program):
         key = (r["scene"], r["method"], r["threshold"], r["tolerance"])
         value = (r["active_cells"], r["newton_iterations"], r["residual"], r["state_error"], r["gradient_error"])
         require(answers.setdefault(key, value) == value, "threads change the answer of", key)
-    rows = rows_of(program, STEP, "--quick", "--grid", "16x8x8", "--repeat", "1", "--steps", "2", "--discretisation",
+    rows = rows_of(program, STEP, "--quick", "--grid", "24x8x8", "--repeat", "1", "--steps", "2", "--discretisation",
                    "--methods", "newton_pcg", "--threshold", "0.02", "--tolerance", "1e-6,1e-8", "--integrators", "bdf2")
     tags = {r["scene"] for r in rows if r["method"] == "newton_pcg"}
     require(tags == {"eel", "eel:h/8", "eel:dx/2"}, "rows of", tags)
-    rows = rows_of(program, STEP, "--quick", "--grid", "16x8x8", "--repeat", "1", "--steps", "2", "--methods",
+    rows = rows_of(program, STEP, "--quick", "--grid", "24x8x8", "--repeat", "1", "--steps", "2", "--methods",
                    "newton_pcg", "--threshold", "0", "--precision", "single,double", "--scenes", "shipped")
     require([r["precision"] for r in rows] == ["single", "double"], "precisions of", rows)
     require(all(r["state_error"] <= 1e-4 for r in rows), "inaccurate:", rows)
@@ -143,8 +143,8 @@ def adjoints(program):
 
 def quadratures(program):
     """Smaller cells lower the error with either quadrature, and one point a cell is no worse than eight."""
-    rows = rows_of(program, QUADRATURE, "--sweep", "quadrature", "--scenes", "eel", "--grid", "16x8x8", "--repeat", "1",
-                   "--steps", "3")
+    rows = rows_of(program, QUADRATURE, "--sweep", "quadrature", "--scenes", "eel", "--grid", "32x8x12", "--repeat",
+                   "1", "--steps", "3")
     error = {(r["quadrature"], r["cells_per_cell"]): r["state_error"] for r in rows}
     require(set(error) == {("full", 1), ("reduced", 1), ("full", 8), ("reduced", 8), ("reduced", 64)}, "rows:", error)
     for name in ("full", "reduced"):

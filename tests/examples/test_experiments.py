@@ -343,12 +343,16 @@ class ShapeExploration(Experiment):
         overlaps = [float(text) for text in columns["overlap_with_base"] if text]
         self.assertEqual(len(overlaps), 3)
         self.assertGreaterEqual(min(overlaps), 0.97)
-        self.assertEqual(set(columns["parts"]), {"1"})
+        # --quick leaves the refinement out, whose kernel is narrow for the cells then: some cells of a shape may come loose
+        # (test_parts has the program's own setting), and the summary says so.
+        parts = max(map(int, columns["parts"]))
+        self.assertEqual((self.summary["claims"]["one_part_each"]["shown"],
+                          self.summary["claims"]["one_part_each"]["value"]), (parts == 1, parts))
         self.assertEqual(set(columns["parts_simulated"]), {"1"})
         for shape in self.summary["shapes"]:
             self.assertGreater(shape["simulated_cells"], shape["body_cells"])
         self.assertGreater(min(map(int, columns["muscle_cells"])), 0)
-        self.assert_shown("bases_come_back", "one_part_each", "one_part_each_simulated")
+        self.assert_shown("bases_come_back", "one_part_each_simulated")
         # Volumes between those of the bases, within what a coarse grid rounds.
         volumes = [shape["volume"] for shape in self.summary["shapes"]]
         corners = [shape["volume"] for shape in self.summary["shapes"] if max(shape["weights"]) == 1.0]
@@ -372,6 +376,8 @@ class ShapeExploration(Experiment):
                 self.assertLessEqual(bodies, shape["parts"])
                 self.assertEqual(shape["parts"] == 1, shape["largest_part"] == 1.0)
             loose[refinement] = sum(shells) - 15
+            if refinement == 2:
+                self.assertEqual(max(parts), 1)
             self.assertEqual(summary["claims"]["one_part_each"],
                              {"shown": max(parts) == 1, "value": max(parts), "equals": 1,
                               "says": "the solid of every shape is in one part: the most parts"})
