@@ -2,7 +2,7 @@
 # Builds everything and runs every test: first what the sanitizers can see in the quick ones, then the whole suite of the
 # optimised build, whose ctest summary is the last thing printed. Stops at the first run that fails.
 #   run.sh [--full]     --full runs what takes long besides: the line coverage of the quick tests against its goals
-#                       (tests/coverage.sh), and 30 s of each fuzzing harness (tests/fuzz/run.sh)
+#                       (tests/coverage.sh), 30 s of each fuzzing harness (tests/fuzz/run.sh), and tests labelled full
 #   DQA_TEST_DATA   folder of mesh files that some tests read (they skip without it); default ../shared/data if there
 #   DQA_TEST_JOBS   parallel jobs of build and tests; default: the number of processors
 #   DQA_TEST_ASAN   0 leaves the sanitizer run out
@@ -59,4 +59,8 @@ if [ -n "$full" ]; then
     ./tests/fuzz/run.sh 30
 fi
 echo "run: all tests"
-ctest --preset default --parallel "$jobs"
+if [ -n "$full" ]; then
+    ctest --preset default --parallel "$jobs"
+else
+    ctest --preset default --parallel "$jobs" --label-exclude '^full$'
+fi
