@@ -73,8 +73,7 @@ dqa_status dqa_controller_create_sinusoid(int32_t n_signals, double time_step, d
     return guard([&] {
         begin_create(controller, "controller");
         require_range(n_signals, n_signals >= 1 && n_signals <= 4096, "n_signals", "a number in [1, 4096]");
-        require_range(time_step, time_step >= kLeastTime && time_step <= kMostTime, "time_step",
-                      "a time in [1e-12, 1e12] (s)");
+        require_time_step(time_step);
         give(std::make_unique<dqa::Sinusoid>(n_signals, time_step), controller);
     });
 }
@@ -104,8 +103,7 @@ dqa_status dqa_controller_create_callback(const dqa_callback_controller_options*
         require_range(o.n_signals, o.n_signals >= 1 && o.n_signals <= 4096, "n_signals", "a number in [1, 4096]");
         require_range(o.n_sensors, o.n_sensors == 0 || o.n_sensors == 10 || o.n_sensors == 15, "n_sensors",
                       "0 (an open loop), 10 (2-D) or 15 (3-D)");
-        require_range(o.time_step, o.time_step >= kLeastTime && o.time_step <= kMostTime, "time_step",
-                      "a time in [1e-12, 1e12] (s)");
+        require_time_step(o.time_step);
         if (!o.evaluate) bad_null("evaluate");
         if (n_parameters < 0 || n_parameters > (int64_t{1} << 40))
             fail(Status::ERROR_ARGUMENT, "n_parameters is %" PRId64 ", expected a number >= 0", n_parameters);

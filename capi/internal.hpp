@@ -96,12 +96,10 @@ void begin_create(T** out, const char* name) {
     *out = nullptr;
 }
 
-// Beyond, squares and cubes of physical quantities leave the range of doubles (SI units).
-inline constexpr double kLeastTime = 1e-12, kMostTime = 1e12;
-
 void require_count(std::int64_t got, std::int64_t expected, const char* name, const char* shape);
 void require_finite(const double* values, std::int64_t n, const char* name);
 void require_range(double value, bool good, const char* name, const char* expected);
+void require_time_step(double value);
 
 // Options as the caller compiled them, laid over defaults. NULL: defaults.
 template <class T>

@@ -72,8 +72,7 @@ dqa::SceneSettings settings_from(const dqa_simulator_options& o) {
     const auto positive = [](double value, const char* name, const char* expected) {
         require_range(value, value >= 1e-12 && value <= 1e18, name, expected);
     };
-    require_range(o.time_step, o.time_step >= kLeastTime && o.time_step <= kMostTime, "time_step",
-                  "a time in [1e-12, 1e12] (s)");
+    require_time_step(o.time_step);
     positive(o.young_modulus, "young_modulus", "a modulus in [1e-12, 1e18] (Pa)");
     require_range(o.poisson_ratio, o.poisson_ratio >= 0 && o.poisson_ratio < 0.5, "poisson_ratio",
                   "a number in [0, 0.5)");

@@ -72,6 +72,11 @@ void require_range(double value, bool good, const char* name, const char* expect
         fail(Status::ERROR_ARGUMENT, "%s is %s, expected %s", name, number_text(value).c_str(), expected);
 }
 
+// Beyond, squares and cubes of physical quantities leave the range of doubles (SI units).
+void require_time_step(double value) {
+    require_range(value, value >= 1e-12 && value <= 1e12, "time_step", "a time in [1e-12, 1e12] (s)");
+}
+
 void copy_out(const double* from, std::size_t n, double* to, std::int64_t count, const char* name, const char* shape) {
     if (!to) return;
     require_count(count, static_cast<std::int64_t>(n), name, shape);

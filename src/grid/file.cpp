@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
 #include <cstdio>
@@ -18,28 +19,9 @@ namespace dqa {
 namespace {
 
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 34;  // of a file of the library's own
+constexpr std::size_t kPart = std::size_t{1} << 24;         // bytes read between two polls
 constexpr int kTries = 100;                                 // names of temporary files
 constexpr int kLinks = 40;                                  // symbolic links that lead to one another
-
-class Descriptor {
-public:
-    explicit Descriptor(int number) : number_(number) {}
-    ~Descriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int number() const { return number_; }
-    // Not twice: what a failed close leaves is undefined.
-    int close() {
-        const int result = ::close(number_);
-        number_ = -1;
-        return result;
-    }
-
-private:
-    int number_;
-};
 
 [[noreturn]] void cannot_write(const std::string& path, const char* why) {
     fail(Status::ERROR_IO, "cannot write '%s': %s; nothing was changed", path.c_str(), why);
@@ -95,6 +77,16 @@ int write_all(Descriptor& file, const std::string& bytes) {
 
 }  // namespace
 
+Descriptor::~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+}
+
+int Descriptor::close() {
+    const int result = ::close(number_);
+    number_ = -1;
+    return result;
+}
+
 void write_atomically(const std::string& path, const std::string& bytes) {
     const std::string target = behind_links(path);
     struct stat old;
@@ -113,9 +105,13 @@ void write_atomically(const std::string& path, const std::string& bytes) {
     cannot_write(path, std::strerror(error));
 }
 
-std::string read_whole(const std::string& path) {
+Descriptor open_to_read(const std::string& path) {
     // Without blocking, so that a pipe is told apart before it is waited for.
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+}
+
+std::string read_whole(const std::string& path) {
+    const Descriptor file = open_to_read(path);
     struct stat info;
     if (file.number() < 0 || ::fstat(file.number(), &info) != 0)
         fail(Status::ERROR_IO, "cannot open '%s': %s", path.c_str(), std::strerror(errno));
@@ -126,16 +122,23 @@ std::string read_whole(const std::string& path) {
         fail(Status::ERROR_IO, "cannot read '%s': it has %lld bytes, expected at most %lld", path.c_str(),
              static_cast<long long>(info.st_size), static_cast<long long>(kMostBytes));
     std::string bytes(static_cast<std::size_t>(info.st_size), '\0');
+    const int error = read_into(file, bytes);  // one that has become shorter is told by its checksum
+    if (error) fail(Status::ERROR_IO, "cannot read '%s': %s", path.c_str(), std::strerror(error));
+    return bytes;
+}
+
+int read_into(const Descriptor& file, std::string& bytes, const std::function<void()>& poll) {
     std::size_t have = 0;
     while (have < bytes.size()) {
-        const ssize_t got = ::read(file.number(), bytes.data() + have, bytes.size() - have);
+        if (poll) poll();
+        const ssize_t got = ::read(file.number(), bytes.data() + have, std::min(bytes.size() - have, kPart));
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) fail(Status::ERROR_IO, "cannot read '%s': %s", path.c_str(), std::strerror(errno));
-        if (got == 0) break;  // it has become shorter; its checksum tells
+        if (got < 0) return errno;
+        if (got == 0) break;
         have += static_cast<std::size_t>(got);
     }
     bytes.resize(have);
-    return bytes;
+    return 0;
 }
 
 std::uint64_t fnv1a(const std::string& bytes, std::size_t length) {

@@ -2,47 +2,30 @@
 // A mesh file is read into memory at once and handed to the reader that its extension names.
 #include "shape/mesh_file.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
 
 #include "grid/error.hpp"
+#include "grid/file.hpp"
 #include "shape/mesh_readers.hpp"
 
 namespace dqa {
 namespace {
 
 constexpr long long max_bytes = 1LL << 30;
-constexpr std::size_t kPart = 1 << 24;   // bytes read between two polls
 constexpr std::size_t kItems = 1 << 14;  // vertices, faces or lines between two
 
 [[noreturn]] void io_error(const std::string& path, int number) {
     fail(Status::ERROR_IO, "%s: %s", path.c_str(), std::generic_category().message(number).c_str());
 }
 
-class Descriptor {
-public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    ~Descriptor() {
-        if (fd_ >= 0) ::close(fd_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return fd_; }
-
-private:
-    int fd_;
-};
-
 std::string read_all(const std::string& path, const std::function<void()>& poll) {
-    // Non-blocking, so that a named pipe cannot hang the caller before it is recognised.
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    const Descriptor file = open_to_read(path);
     struct stat info;
-    if (file.get() < 0 || ::fstat(file.get(), &info) != 0) io_error(path, errno);
+    if (file.number() < 0 || ::fstat(file.number(), &info) != 0) io_error(path, errno);
     if (S_ISDIR(info.st_mode)) io_error(path, EISDIR);
     if (!S_ISREG(info.st_mode)) fail(Status::ERROR_IO, "%s: not a regular file", path.c_str());
     if (info.st_size == 0)
@@ -51,16 +34,10 @@ std::string read_all(const std::string& path, const std::function<void()>& poll)
         fail(Status::ERROR_FILE, "%s: %lld bytes; mesh files of up to %lld bytes are supported", path.c_str(),
              static_cast<long long>(info.st_size), max_bytes);
     std::string content(static_cast<std::size_t>(info.st_size), '\0');
-    std::size_t have = 0;
-    while (have < content.size()) {
-        if (poll) poll();
-        const std::size_t part = std::min(content.size() - have, kPart);
-        const ssize_t got = ::read(file.get(), content.data() + have, part);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) io_error(path, errno);
-        if (got == 0) fail(Status::ERROR_IO, "%s: the file became shorter while it was read", path.c_str());
-        have += static_cast<std::size_t>(got);
-    }
+    const int error = read_into(file, content, poll);
+    if (error) io_error(path, error);
+    if (content.size() < static_cast<std::size_t>(info.st_size))
+        fail(Status::ERROR_IO, "%s: the file became shorter while it was read", path.c_str());
     return content;
 }
 
