@@ -12,6 +12,7 @@
 
 #include "bytes.hpp"
 #include "diffaqua.h"
+#include "grid/file.hpp"
 
 namespace {
 
@@ -115,8 +116,7 @@ std::string edited(std::string file, fuzz::Bytes& in) {
             file.insert(at, static_cast<std::size_t>(in.byte()), '\0');
         }
     }
-    std::uint64_t hash = 14695981039346656037u;
-    for (const char c : file) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    const std::uint64_t hash = dqa::fnv1a(file, file.size());
     return file.append(reinterpret_cast<const char*>(&hash), sizeof hash);
 }
 
@@ -151,24 +151,31 @@ void use(dqa_cma_es* search) {
     (void)dqa_cma_es_tell(search, values.data(), info.population);
 }
 
+// A file without an edit must load: else the seal is wrong, and everything else is refused for that alone.
+bool loaded(dqa_status status, bool whole) {
+    if (whole) need(status);
+    return status == DQA_SUCCESS;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const std::vector<std::string> files = good_files();
     fuzz::Bytes in(data, size);
     const int kind = in.below(static_cast<int>(files.size()));
+    const bool whole = in.over();
     const fuzz::MemoryFile file(edited(files[static_cast<std::size_t>(kind)], in));
     if (kind < 2) {
         dqa_shape_space* space = nullptr;
-        if (dqa_shape_space_load(file.path(), &space) == DQA_SUCCESS) use(space);
+        if (loaded(dqa_shape_space_load(file.path(), &space), whole)) use(space);
         dqa_shape_space_free(space);
     } else if (kind < 4) {
         dqa_controller* controller = nullptr;
-        if (dqa_controller_load(file.path(), &controller) == DQA_SUCCESS) use(controller);
+        if (loaded(dqa_controller_load(file.path(), &controller), whole)) use(controller);
         dqa_controller_free(controller);
     } else {
         dqa_cma_es* search = nullptr;
-        if (dqa_cma_es_load(file.path(), &search) == DQA_SUCCESS) use(search);
+        if (loaded(dqa_cma_es_load(file.path(), &search), whole)) use(search);
         dqa_cma_es_free(search);
     }
     return 0;
